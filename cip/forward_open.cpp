@@ -1,0 +1,208 @@
+#include "cip/forward_open.hpp"
+
+#include "cip/wire.hpp"
+
+namespace servobus::cip {
+namespace {
+
+void describe(auto& io, auto& triad)
+    requires requires { triad.originator_serial; }
+{
+    io.field(triad.serial_number);
+    io.field(triad.originator_vendor);
+    io.field(triad.originator_serial);
+}
+
+// The parameters differ in width between the two forms, so they pass through the raw word.
+template <class Io, class Parameters>
+void describe_parameters(Io& io, Parameters& parameters, bool large) {
+    std::uint16_t word = 0;
+    std::uint32_t dword = 0;
+    if constexpr (std::is_const_v<Parameters>) {
+        word = parameters.to_word();
+        dword = parameters.to_dword();
+    }
+    if (large) {
+        io.field(dword);
+    } else {
+        io.field(word);
+    }
+    if constexpr (!std::is_const_v<Parameters>) {
+        parameters = large ? ConnectionParameters::from_dword(dword) : ConnectionParameters::from_word(word);
+    }
+}
+
+template <class Io, class Open>
+void describe_open(Io& io, Open& open) {
+    io.field(open.priority_tick);
+    io.field(open.timeout_ticks);
+    io.field(open.o_to_t_id);
+    io.field(open.t_to_o_id);
+    describe(io, open.triad);
+    io.field(open.timeout_multiplier);
+    io.reserved(3);
+    io.field(open.o_to_t_rpi);
+    describe_parameters(io, open.o_to_t, open.large);
+    io.field(open.t_to_o_rpi);
+    describe_parameters(io, open.t_to_o, open.large);
+}
+
+// A path or application reply: size in words, perhaps a reserved octet, then the octets, to the end of the message.
+Decoded<Bytes> read_words(Reader& reader, bool reserved_octet) {
+    const auto octets = reader.u8() * std::size_t{2};
+    if (reserved_octet) reader.reserved(1);
+    const auto words = reader.take(octets);
+    if (!reader.ok()) return DecodeError::truncated;
+    if (reader.remaining() > 0) return DecodeError::trailing;
+    return Bytes(words.begin(), words.end());
+}
+
+void write_words(Writer& writer, ByteView words, bool reserved_octet) {
+    writer.u8(static_cast<std::uint8_t>(words.size() / 2));
+    if (reserved_octet) writer.u8(0);
+    writer.bytes(words);
+}
+
+}  // namespace
+
+ConnectionParameters ConnectionParameters::from_word(std::uint16_t word) {
+    return {
+        .redundant_owner = (word & 0x8000) != 0,
+        .type = static_cast<ConnectionType>((word >> 13) & 3),
+        .priority = static_cast<Priority>((word >> 10) & 3),
+        .variable = (word & 0x0200) != 0,
+        .size = static_cast<std::uint16_t>(word & 0x01FF),
+    };
+}
+
+ConnectionParameters ConnectionParameters::from_dword(std::uint32_t dword) {
+    auto parameters = from_word(static_cast<std::uint16_t>((dword >> 16) & 0xFE00));
+    parameters.size = static_cast<std::uint16_t>(dword);
+    return parameters;
+}
+
+std::uint16_t ConnectionParameters::to_word() const {
+    return static_cast<std::uint16_t>((to_dword() >> 16) | (size & 0x01FFU));
+}
+
+std::uint32_t ConnectionParameters::to_dword() const {
+    const std::uint32_t high = (redundant_owner ? 0x8000U : 0U) | static_cast<std::uint32_t>(type) << 13 |
+                               static_cast<std::uint32_t>(priority) << 10 | (variable ? 0x0200U : 0U);
+    return high << 16 | size;
+}
+
+Transport Transport::from_byte(std::uint8_t byte) {
+    return {(byte & 0x80) != 0, static_cast<std::uint8_t>((byte >> 4) & 7), static_cast<std::uint8_t>(byte & 0x0F)};
+}
+
+std::uint8_t Transport::to_byte() const {
+    return static_cast<std::uint8_t>((server ? 0x80U : 0U) | (trigger & 7U) << 4 | (transport_class & 0x0FU));
+}
+
+Bytes ForwardOpen::encode() const {
+    Bytes bytes;
+    Writer writer(bytes);
+    describe_open(writer, *this);
+    writer.u8(transport.to_byte());
+    write_words(writer, path, false);
+    return bytes;
+}
+
+Decoded<ForwardOpen> ForwardOpen::parse(ByteView data, bool large) {
+    Reader reader(data);
+    ForwardOpen open;
+    open.large = large;
+    describe_open(reader, open);
+    open.transport = Transport::from_byte(reader.u8());
+    auto path = read_words(reader, false);
+    if (!path) return path.error();
+    open.path = std::move(*path);
+    return open;
+}
+
+Bytes ForwardOpenReply::encode() const {
+    Bytes bytes;
+    Writer writer(bytes);
+    writer.u32(o_to_t_id);
+    writer.u32(t_to_o_id);
+    describe(writer, triad);
+    writer.u32(o_to_t_api);
+    writer.u32(t_to_o_api);
+    write_words(writer, application_reply, true);
+    return bytes;
+}
+
+Decoded<ForwardOpenReply> ForwardOpenReply::parse(ByteView data) {
+    Reader reader(data);
+    ForwardOpenReply reply;
+    reader.field(reply.o_to_t_id);
+    reader.field(reply.t_to_o_id);
+    describe(reader, reply.triad);
+    reader.field(reply.o_to_t_api);
+    reader.field(reply.t_to_o_api);
+    auto application = read_words(reader, true);
+    if (!application) return application.error();
+    reply.application_reply = std::move(*application);
+    return reply;
+}
+
+Bytes ConnectionRefusal::encode() const {
+    Bytes bytes;
+    Writer writer(bytes);
+    describe(writer, triad);
+    writer.u8(remaining_path_words);
+    writer.u8(0);
+    return bytes;
+}
+
+Decoded<ConnectionRefusal> ConnectionRefusal::parse(ByteView data) {
+    Reader reader(data);
+    ConnectionRefusal refusal;
+    describe(reader, refusal.triad);
+    if (!reader.ok()) return DecodeError::truncated;
+    // Some stacks send only the size octet, or nothing (R-CM-10).
+    if (reader.remaining() > 0) reader.field(refusal.remaining_path_words);
+    return refusal;
+}
+
+Bytes ForwardClose::encode() const {
+    Bytes bytes;
+    Writer writer(bytes);
+    writer.u8(priority_tick);
+    writer.u8(timeout_ticks);
+    describe(writer, triad);
+    write_words(writer, path, true);
+    return bytes;
+}
+
+Decoded<ForwardClose> ForwardClose::parse(ByteView data) {
+    Reader reader(data);
+    ForwardClose close;
+    reader.field(close.priority_tick);
+    reader.field(close.timeout_ticks);
+    describe(reader, close.triad);
+    auto path = read_words(reader, true);
+    if (!path) return path.error();
+    close.path = std::move(*path);
+    return close;
+}
+
+Bytes ForwardCloseReply::encode() const {
+    Bytes bytes;
+    Writer writer(bytes);
+    describe(writer, triad);
+    write_words(writer, application_reply, true);
+    return bytes;
+}
+
+Decoded<ForwardCloseReply> ForwardCloseReply::parse(ByteView data) {
+    Reader reader(data);
+    ForwardCloseReply reply;
+    describe(reader, reply.triad);
+    auto application = read_words(reader, true);
+    if (!application) return application.error();
+    reply.application_reply = std::move(*application);
+    return reply;
+}
+
+}  // namespace servobus::cip

@@ -1,0 +1,308 @@
+#include "cip/message_router.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "cip/services.hpp"
+#include "cip/wire.hpp"
+
+namespace servobus::cip {
+namespace {
+
+// Class attributes (R-OBJ-1).
+enum class ClassAttribute : std::uint32_t {
+    revision = 1,
+    max_instance = 2,
+    instances = 3,
+    max_class_attribute = 6,
+    max_instance_attribute = 7,
+};
+
+std::optional<std::uint16_t> class_attribute(const ClassInfo& info, std::uint32_t id) {
+    switch (static_cast<ClassAttribute>(id)) {
+        case ClassAttribute::revision:
+            return info.revision;
+        case ClassAttribute::max_instance:
+            return static_cast<std::uint16_t>(info.max_instance);
+        case ClassAttribute::instances:
+            return info.instances;
+        case ClassAttribute::max_class_attribute:
+            return info.max_class_attribute;
+        case ClassAttribute::max_instance_attribute:
+            return info.max_instance_attribute;
+    }
+    return std::nullopt;
+}
+
+// Services at instance 0: reading class attributes, and nothing else.
+Response call_class(const RequestView& request, const RequestPath& path, const ClassInfo& info) {
+    Response response{request.service};
+    Writer writer(response.data);
+    if (request.service == service::get_attributes_all && info.class_attributes_all) {
+        for (const auto id : {1U, 2U, 6U, 7U}) writer.u16(*class_attribute(info, id));
+        return response;
+    }
+    if (request.service != service::get_attribute_single) {
+        response.status = GeneralStatus::service_not_supported;
+        return response;
+    }
+    const auto value = path.attribute ? class_attribute(info, *path.attribute) : std::nullopt;
+    if (value) {
+        writer.u16(*value);
+    } else {
+        response.status = GeneralStatus::attribute_not_supported;
+    }
+    return response;
+}
+
+Status get_single(const Object& object, const RequestPath& path, Bytes& data) {
+    const auto id = path.attribute ? path.attribute : object.implied_attribute();
+    const auto access = id ? object.attribute(path.instance, *id) : std::nullopt;
+    if (!access) return GeneralStatus::attribute_not_supported;
+    if (!access->gettable) return GeneralStatus::attribute_not_gettable;
+    Writer writer(data);
+    return object.get(path.instance, *id, writer);
+}
+
+Status set_single(Object& object, const RequestPath& path, ByteView value) {
+    const auto id = path.attribute ? path.attribute : object.implied_attribute();
+    const auto access = id ? object.attribute(path.instance, *id) : std::nullopt;
+    if (!access) return GeneralStatus::attribute_not_supported;
+    if (!access->settable) return GeneralStatus::attribute_not_settable;
+    return object.set(path.instance, *id, value);
+}
+
+Status get_all(const Object& object, const RequestPath& path, Bytes& data) {
+    Writer writer(data);
+    for (const auto id : object.attributes_all()) {
+        auto status = object.get(path.instance, id, writer);
+        if (!status.ok()) {
+            data.clear();
+            return status;
+        }
+    }
+    return {};
+}
+
+// R-MSG-14. Stops with 0x11 at the entry that no longer fits; what fits is sent.
+Status get_list(const Object& object, const RequestPath& path, ByteView request, std::size_t limit, Bytes& data) {
+    Reader reader(request);
+    const auto count = reader.u16();
+    if (!reader.ok() || reader.remaining() < std::size_t{count} * 2) return GeneralStatus::not_enough_data;
+    if (reader.remaining() > std::size_t{count} * 2) return GeneralStatus::too_much_data;
+    Writer writer(data);
+    writer.u16(0);
+    GeneralStatus outcome = GeneralStatus::success;
+    std::uint16_t answered = 0;
+    for (; answered < count; ++answered) {
+        const auto id = reader.u16();
+        Bytes value;
+        const auto status = get_single(object, {path.class_id, path.instance, id, {}}, value);
+        if (!status.ok()) value.clear();
+        if (data.size() + 4 + value.size() > limit) {
+            outcome = GeneralStatus::reply_data_too_large;
+            break;
+        }
+        writer.u16(id);
+        writer.u16(static_cast<std::uint16_t>(status.general));
+        writer.bytes(value);
+        if (!status.ok()) outcome = GeneralStatus::attribute_list_error;
+    }
+    data[0] = static_cast<std::uint8_t>(answered);
+    data[1] = static_cast<std::uint8_t>(answered >> 8);
+    return outcome;
+}
+
+// One entry of a Set_Attribute_List: the octets of its value, or why they could not be found.
+struct SetEntry {
+    std::uint16_t id = 0;
+    ByteView value;
+    GeneralStatus found = GeneralStatus::missing_attribute_list_entry;
+};
+
+SetEntry read_entry(const Object& object, std::uint32_t instance, Reader& reader) {
+    SetEntry entry;
+    if (reader.remaining() < 2) return entry;
+    entry.id = reader.u16();
+    if (!object.attribute(instance, entry.id)) {
+        entry.found = GeneralStatus::attribute_not_supported;
+        return entry;
+    }
+    const auto size = object.value_size(instance, entry.id, reader.rest());
+    if (!size || *size > reader.remaining()) {
+        entry.found = GeneralStatus::not_enough_data;
+        return entry;
+    }
+    entry.value = reader.take(*size);
+    entry.found = GeneralStatus::success;
+    return entry;
+}
+
+// R-MSG-15. Behind an entry whose value has no known size nothing can be found: 0x1C for the rest. All entries are
+// found before any is applied, so that a request with surplus data changes nothing.
+Status set_list(Object& object, const RequestPath& path, ByteView request, std::size_t limit, Bytes& data) {
+    Reader reader(request);
+    const auto count = reader.u16();
+    if (!reader.ok()) return GeneralStatus::not_enough_data;
+    // The shortest entry has an id and one octet of value; each is answered by four octets.
+    if (std::size_t{count} * 3 > reader.remaining()) return GeneralStatus::not_enough_data;
+    if (2 + std::size_t{count} * 4 > limit) return GeneralStatus::reply_data_too_large;
+    std::vector<SetEntry> entries(count);
+    bool lost = false;
+    for (auto& entry : entries) {
+        if (!lost) entry = read_entry(object, path.instance, reader);
+        lost = lost || entry.found != GeneralStatus::success;
+    }
+    if (!lost && reader.remaining() > 0) return GeneralStatus::too_much_data;
+
+    Writer writer(data);
+    writer.u16(count);
+    GeneralStatus outcome = GeneralStatus::success;
+    for (const auto& entry : entries) {
+        Status status = entry.found;
+        if (status.ok()) status = set_single(object, {path.class_id, path.instance, entry.id, {}}, entry.value);
+        writer.u16(entry.id);
+        writer.field(static_cast<std::uint16_t>(status.general));
+        if (!status.ok()) outcome = GeneralStatus::attribute_list_error;
+    }
+    return outcome;
+}
+
+bool keeps_data(const Status& status) {
+    return status.ok() || status.general == GeneralStatus::attribute_list_error ||
+           status.general == GeneralStatus::embedded_service_error;
+}
+
+}  // namespace
+
+MessageRouter::MessageRouter(NodeIdentity node) : node_(node) {}
+
+void MessageRouter::add(std::unique_ptr<Object> object) {
+    const auto id = object->info().class_id;
+    objects_[id] = std::move(object);
+}
+
+std::vector<std::uint16_t> MessageRouter::classes() const {
+    std::vector<std::uint16_t> ids{class_id::message_router};
+    for (const auto& [id, object] : objects_) ids.push_back(static_cast<std::uint16_t>(id));
+    std::ranges::sort(ids);
+    return ids;
+}
+
+std::optional<Response> MessageRouter::handle(ByteView message, const Origin& origin) {
+    const auto request = RequestView::parse(message);
+    if (!request) {
+        if (request.error() == DecodeError::truncated) return std::nullopt;
+        return Response{static_cast<std::uint8_t>(message[0] & 0x7F), GeneralStatus::path_size_invalid, {}};
+    }
+    auto response = dispatch(*request, origin);
+    if (response.encoded_size() > origin.reply_limit) {
+        response.status = GeneralStatus::reply_data_too_large;
+        response.data.clear();
+    }
+    return response;
+}
+
+Response MessageRouter::dispatch(const RequestView& request, const Origin& origin) {
+    const auto refuse = [&](Status status) {
+        return Response{static_cast<std::uint8_t>(request.service & 0x7F), std::move(status), {}};
+    };
+    auto path = RequestPath::parse(request.path);
+    if (!path) return refuse(path.error());
+    if (path->key && mismatch(*path->key, node_)) return refuse(GeneralStatus::key_failure_in_path);
+
+    if (path->class_id == class_id::message_router) {
+        if (path->instance > 1) return refuse(GeneralStatus::path_destination_unknown);
+        if (path->instance == 1 && request.service == service::multiple_service_packet) {
+            return multiple_service_packet(request, origin);
+        }
+        static constexpr ClassInfo router{.class_id = class_id::message_router, .max_instance_attribute = 0};
+        if (path->instance == 0) return call_class(request, *path, router);
+        return refuse(GeneralStatus::service_not_supported);  // R-MR-1
+    }
+    const auto found = objects_.find(path->class_id);
+    if (found == objects_.end()) return refuse(GeneralStatus::path_destination_unknown);
+    return dispatch(request, std::move(*path), *found->second, origin);
+}
+
+Response MessageRouter::dispatch(const RequestView& request, RequestPath path, Object& object, const Origin& origin) {
+    if (path.instance == 0) return call_class(request, path, object.info());
+    Response response{static_cast<std::uint8_t>(request.service & 0x7F)};
+    if (!object.has_instance(path.instance)) {
+        response.status = GeneralStatus::path_destination_unknown;
+        return response;
+    }
+    if ((request.service & service::reply_bit) != 0 || !object.offers(request.service)) {
+        response.status = GeneralStatus::service_not_supported;
+        return response;
+    }
+    constexpr std::size_t reply_header = 4;
+    const auto limit = origin.reply_limit - std::min(origin.reply_limit, reply_header);
+    switch (request.service) {
+        case service::get_attribute_single:
+            response.status = get_single(object, path, response.data);
+            break;
+        case service::set_attribute_single:
+            response.status = set_single(object, path, request.data);
+            break;
+        case service::get_attributes_all:
+            response.status = get_all(object, path, response.data);
+            break;
+        case service::get_attribute_list:
+            response.status = get_list(object, path, request.data, limit, response.data);
+            if (response.status.general == GeneralStatus::reply_data_too_large) return response;
+            break;
+        case service::set_attribute_list:
+            response.status = set_list(object, path, request.data, limit, response.data);
+            break;
+        default:
+            return object.call(request, path, origin);
+    }
+    if (!keeps_data(response.status)) response.data.clear();
+    return response;
+}
+
+// R-MSG-16. The lengths of the embedded requests follow from the offsets, so these must not go backwards.
+Response MessageRouter::multiple_service_packet(const RequestView& request, const Origin& origin) {
+    Response response{request.service};
+    const auto refuse = [&](GeneralStatus status) {
+        response.status = status;
+        response.data.clear();
+        return response;
+    };
+    if (origin.depth >= max_embedding) return refuse(GeneralStatus::service_not_supported);
+    Reader reader(request.data);
+    const std::size_t count = reader.u16();
+    std::vector<std::size_t> offsets;
+    for (std::size_t i = 0; i < count && reader.ok(); ++i) offsets.push_back(reader.u16());
+    if (!reader.ok()) return refuse(GeneralStatus::not_enough_data);
+    offsets.push_back(request.data.size());
+    const std::size_t head = 2 + 2 * count;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (offsets[i] < head || offsets[i] + 2 > offsets[i + 1]) return refuse(GeneralStatus::not_enough_data);
+    }
+
+    // The head of the reply is as long as that of the request; a part that does not fit any more is 0x11 in its place.
+    constexpr std::size_t smallest_reply = 4;
+    if (4 + head + count * smallest_reply > origin.reply_limit) return refuse(GeneralStatus::reply_data_too_large);
+    auto inner = origin;
+    inner.depth = max_embedding;
+    Bytes replies;
+    std::vector<std::size_t> reply_offsets;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto reserved = (count - 1 - i) * smallest_reply;
+        inner.reply_limit = origin.reply_limit - 4 - head - replies.size() - reserved;
+        const auto part = handle(request.data.subspan(offsets[i], offsets[i + 1] - offsets[i]), inner);
+        if (!part->status.ok()) response.status = GeneralStatus::embedded_service_error;
+        reply_offsets.push_back(head + replies.size());
+        const auto encoded = part->encode();
+        replies.insert(replies.end(), encoded.begin(), encoded.end());
+    }
+    Writer writer(response.data);
+    writer.u16(static_cast<std::uint16_t>(count));
+    for (const auto offset : reply_offsets) writer.u16(static_cast<std::uint16_t>(offset));
+    writer.bytes(replies);
+    return response;
+}
+
+}  // namespace servobus::cip

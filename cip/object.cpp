@@ -1,0 +1,13 @@
+#include "cip/object.hpp"
+
+namespace servobus::cip {
+
+Status Object::set(std::uint32_t, std::uint32_t, ByteView) { return GeneralStatus::attribute_not_settable; }
+
+std::optional<std::size_t> Object::value_size(std::uint32_t, std::uint32_t, ByteView) const { return std::nullopt; }
+
+Response Object::call(const RequestView& request, const RequestPath&, const Origin&) {
+    return {request.service, GeneralStatus::service_not_supported, {}};
+}
+
+}  // namespace servobus::cip
