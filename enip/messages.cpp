@@ -1,0 +1,155 @@
+#include "enip/messages.hpp"
+
+#include "cip/strings.hpp"
+#include "cip/wire.hpp"
+#include "enip/socket_address.hpp"
+
+namespace servobus::enip {
+namespace {
+
+constexpr std::size_t service_name_octets = 16;
+
+template <class Message, class Describe>
+cip::Decoded<Message> parse_all(cip::ByteView data, Describe describe) {
+    cip::Reader reader(data);
+    Message message;
+    describe(reader, message);
+    if (!reader.ok()) return cip::DecodeError::truncated;
+    if (reader.remaining() > 0) return cip::DecodeError::trailing;
+    return message;
+}
+
+void describe_registration(auto& io, auto& message) {
+    io.field(message.version);
+    io.field(message.options);
+}
+
+void describe_identity(auto& io, auto& item) {
+    io.field(item.version);
+    describe_address(io, item.socket);
+    io.field(item.vendor);
+    io.field(item.device_type);
+    io.field(item.product_code);
+    io.field(item.major_revision);
+    io.field(item.minor_revision);
+    io.field(item.status);
+    io.field(item.serial_number);
+}
+
+}  // namespace
+
+cip::Bytes RegisterSession::encode() const {
+    cip::Bytes bytes;
+    cip::Writer writer(bytes);
+    describe_registration(writer, *this);
+    return bytes;
+}
+
+cip::Decoded<RegisterSession> RegisterSession::parse(cip::ByteView data) {
+    return parse_all<RegisterSession>(data, [](auto& reader, auto& message) { describe_registration(reader, message); });
+}
+
+cip::Bytes IdentityItem::encode() const {
+    cip::Bytes bytes;
+    cip::Writer writer(bytes);
+    describe_identity(writer, *this);
+    cip::write_short_string(writer, product_name);
+    writer.u8(state);
+    return bytes;
+}
+
+cip::Decoded<IdentityItem> IdentityItem::parse(cip::ByteView data) {
+    return parse_all<IdentityItem>(data, [](cip::Reader& reader, IdentityItem& item) {
+        describe_identity(reader, item);
+        item.product_name = cip::read_short_string(reader);
+        reader.field(item.state);
+    });
+}
+
+cip::Bytes ServiceItem::encode() const {
+    cip::Bytes bytes;
+    cip::Writer writer(bytes);
+    writer.u16(version);
+    writer.u16(flags);
+    auto padded = name;
+    padded.resize(service_name_octets, '\0');
+    for (const char c : padded) writer.u8(static_cast<std::uint8_t>(c));
+    return bytes;
+}
+
+cip::Decoded<ServiceItem> ServiceItem::parse(cip::ByteView data) {
+    return parse_all<ServiceItem>(data, [](cip::Reader& reader, ServiceItem& item) {
+        reader.field(item.version);
+        reader.field(item.flags);
+        const auto name = reader.take(service_name_octets);
+        item.name.assign(name.begin(), name.end());
+        item.name.erase(std::min(item.name.find('\0'), item.name.size()));
+    });
+}
+
+cip::Bytes SendData::encode() const {
+    cip::Bytes bytes;
+    cip::Writer writer(bytes);
+    writer.u32(interface_handle);
+    writer.u16(timeout);
+    writer.bytes(packet.encode());
+    return bytes;
+}
+
+cip::Decoded<SendData> SendData::parse(cip::ByteView data) {
+    cip::Reader reader(data);
+    SendData message;
+    reader.field(message.interface_handle);
+    reader.field(message.timeout);
+    if (!reader.ok()) return cip::DecodeError::truncated;
+    auto packet = CommonPacket::parse(reader.rest());
+    if (!packet) return packet.error();
+    message.packet = std::move(*packet);
+    return message;
+}
+
+SendData SendData::unconnected(cip::Bytes message) {
+    SendData data;
+    data.packet.items.push_back({ItemType::null_address, {}});
+    data.packet.items.push_back({ItemType::unconnected_data, std::move(message)});
+    return data;
+}
+
+SendData SendData::connected(std::uint32_t connection_id, std::uint16_t sequence, cip::ByteView message) {
+    SendData data;
+    Item address{ItemType::connected_address, {}};
+    cip::Writer(address.data).u32(connection_id);
+    Item payload{ItemType::connected_data, {}};
+    cip::Writer writer(payload.data);
+    writer.u16(sequence);
+    writer.bytes(message);
+    data.packet.items.push_back(std::move(address));
+    data.packet.items.push_back(std::move(payload));
+    return data;
+}
+
+cip::Decoded<cip::ByteView> unconnected_message(const SendData& data) {
+    const auto& items = data.packet.items;
+    if (data.interface_handle != 0 || items.size() < 2) return cip::DecodeError::bad_value;
+    if (items[0].type != ItemType::null_address || !items[0].data.empty()) return cip::DecodeError::bad_value;
+    if (items[1].type != ItemType::unconnected_data) return cip::DecodeError::bad_value;
+    return cip::ByteView(items[1].data);
+}
+
+cip::Decoded<ConnectedMessage> connected_message(const SendData& data) {
+    const auto& items = data.packet.items;
+    if (data.interface_handle != 0 || items.size() < 2) return cip::DecodeError::bad_value;
+    if (items[0].type != ItemType::connected_address || items[1].type != ItemType::connected_data) {
+        return cip::DecodeError::bad_value;
+    }
+    cip::Reader address(items[0].data);
+    cip::Reader payload(items[1].data);
+    ConnectedMessage message;
+    address.field(message.connection_id);
+    payload.field(message.sequence);
+    if (!address.done() || !payload.ok()) return cip::DecodeError::bad_length;
+    message.message = payload.rest();
+    return message;
+}
+
+}  // namespace servobus::enip

@@ -1,0 +1,76 @@
+// What a server of this protocol is to its sockets: octets and time in, octets and the next deadline out (decision 2).
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cip/bytes.hpp"
+
+namespace servobus::enip {
+
+using Time = std::chrono::steady_clock::time_point;
+
+/// An IPv4 address and port, in host order.
+struct Endpoint {
+    std::uint32_t address = 0;
+    std::uint16_t port = 0;
+    friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
+};
+
+/// `192.168.2.100:44818`.
+[[nodiscard]] std::string to_string(Endpoint endpoint);
+
+/// A datagram to send.
+struct Datagram {
+    Endpoint local;  ///< the address to send it from; 0 when the system may choose
+    Endpoint peer;
+    cip::Bytes octets;
+};
+
+/// A target without sockets. All calls come from one thread at a time; `now` never goes back.
+class Target {
+public:
+    using ConnectionId = std::uint64_t;
+
+    virtual ~Target() = default;
+
+    /// A TCP connection has been accepted. Nullopt: close it at once.
+    [[nodiscard]] virtual std::optional<ConnectionId> on_open(Endpoint peer, Endpoint local, Time now) = 0;
+
+    /// Octets of a connection. Returns how many were taken: fewer than given when the replies that wait have reached
+    /// their limit; write those and offer the rest again.
+    [[nodiscard]] virtual std::size_t on_octets(ConnectionId id, cip::ByteView octets, Time now) = 0;
+
+    /// The replies that wait, gathered; they are the caller's now.
+    [[nodiscard]] virtual cip::Bytes take_replies(ConnectionId id) = 0;
+
+    /// True when the connection is to be closed, once its replies are written.
+    [[nodiscard]] virtual bool wants_close(ConnectionId id) const = 0;
+
+    /// The connection is gone, whoever closed it. The id is not used again.
+    virtual void on_closed(ConnectionId id, Time now) = 0;
+
+    /// A datagram at UDP 44818. `broadcast`: it was not sent to `local` alone.
+    virtual void on_datagram(Endpoint peer, Endpoint local, bool broadcast, cip::ByteView octets, Time now) = 0;
+
+    /// The datagrams that are due.
+    [[nodiscard]] virtual std::vector<Datagram> take_datagrams() = 0;
+
+    /// To be called at or after next_deadline().
+    virtual void on_timer(Time now) = 0;
+    [[nodiscard]] virtual std::optional<Time> next_deadline() const = 0;
+
+    /// Connections that on_timer() has decided to close.
+    [[nodiscard]] virtual std::vector<ConnectionId> take_expired() = 0;
+
+protected:
+    Target() = default;
+    Target(const Target&) = default;
+    Target& operator=(const Target&) = default;
+};
+
+}  // namespace servobus::enip
