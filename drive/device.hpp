@@ -1,0 +1,90 @@
+// A device: an identity, a table, and the state behind both. No bus, no clock, no thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "drive/parameter.hpp"
+#include "drive/refusal.hpp"
+#include "drive/store.hpp"
+
+namespace servobus::drive {
+
+/// Who the device says it is. The product name has at most 32 characters.
+struct Identity {
+    std::uint16_t vendor = 0;
+    std::uint16_t device_type = 0;
+    std::uint16_t product_code = 0;
+    std::uint8_t major_revision = 1;  ///< 1..127
+    std::uint8_t minor_revision = 1;  ///< 1..255
+    std::uint32_t serial_number = 1;  ///< unique per vendor, never 0
+    std::string product_name;
+};
+
+/// A command that has a number but no parameter (000 §2.3.2.1).
+struct DirectCommand {
+    std::uint32_t value;
+    std::string_view mnemonic;  ///< `REF`; empty where the manual gives none
+    std::string_view name;      ///< one word, for people without a mnemonic: `StartForceMonitoring`
+    std::string_view text;
+};
+
+/// The row that tells which motor is connected, and what it says for each kind (000 §2.3.1.6). The printed default
+/// stands when the motor is Motor::any.
+struct MotorNames {
+    Key row;
+    std::string_view linear;
+    std::string_view rotative;
+};
+
+/// What is fixed about a kind of drive: a second drive model is a second one of these.
+struct Model {
+    std::string_view key;   ///< what `--variant` is given: `75v8s`
+    std::string_view name;  ///< for people: `XENAX Xvi 75V8S`
+    Identity identity;
+    std::span<const Parameter> parameters;
+    std::span<const DirectCommand> direct_commands;
+    std::optional<Key> direct_command_row{};    ///< the row that takes a DirectCommand's value
+    std::optional<Key> reference_method_row{};  ///< the row whose legal values depend on the motor
+    bool has_force_option = false;              ///< rows marked `force_option` answer
+    std::optional<MotorNames> motor_names{};    ///< the row that tells the connected motor
+};
+
+/// The connected motor, as far as it decides which reference methods are legal (000 §2.3.4.16, §2.3.2).
+enum class Motor : std::uint8_t { any, linear, rotative };
+
+class Device {
+public:
+    explicit Device(Model model, Motor motor = Motor::any);
+
+    [[nodiscard]] const Model& model() const { return model_; }
+    [[nodiscard]] const Identity& identity() const { return model_.identity; }
+    [[nodiscard]] Store& store() { return store_; }
+    [[nodiscard]] const Store& store() const { return store_; }
+    [[nodiscard]] Motor motor() const { return motor_; }
+
+    [[nodiscard]] const Parameter* find(Key key) const { return store_.find(key); }
+
+    /// As Store::read, and `not_configured` for a row that this model does not have the hardware for.
+    [[nodiscard]] ReadResult read(const Parameter& row) const;
+    /// As Store::check, and `not_configured` for what variant or motor do not allow: a missing option comes right after
+    /// access, so that its limits tell nothing; the motor comes last.
+    [[nodiscard]] std::optional<Refusal> check(const Parameter& row, const Value& value) const;
+    [[nodiscard]] std::optional<Refusal> write(const Parameter& row, Value value);
+
+    /// Back to the state after delivery: printed defaults, and the name of the connected motor.
+    void reset();
+
+private:
+    [[nodiscard]] bool has(const Parameter& row) const { return !row.force_option || model_.has_force_option; }
+    [[nodiscard]] bool motor_allows(const Parameter& row, const Value& value) const;
+
+    Model model_;
+    Motor motor_;
+    Store store_;
+};
+
+}  // namespace servobus::drive

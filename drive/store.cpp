@@ -1,0 +1,158 @@
+#include "drive/store.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <utility>
+
+namespace servobus::drive {
+
+namespace {
+
+constexpr std::size_t npos = std::numeric_limits<std::size_t>::max();
+
+/// Our own invariants, checked in production too; nothing that a peer sends can break one.
+void require(bool holds, const char* what) {
+    if (holds) {
+        return;
+    }
+    std::fputs("servobus::drive::Store: ", stderr);
+    std::fputs(what, stderr);
+    std::fputs("\n", stderr);
+    std::abort();
+}
+
+Value standard_value(const Parameter& row) {
+    if (row.is_text()) {
+        return std::string(row.standard_text);
+    }
+    return row.standard;
+}
+
+std::optional<Refusal> check_text(const Parameter& row, const std::string& text) {
+    if (text.size() > row.max_length) {
+        return Refusal::too_long;
+    }
+    return std::nullopt;
+}
+
+std::optional<Refusal> check_number(const Parameter& row, std::int64_t number) {
+    if (number < row.low) {
+        return Refusal::too_low;
+    }
+    if (number > row.high) {
+        return Refusal::too_high;
+    }
+    if (!row.allowed.empty() && std::ranges::find(row.allowed, number) == row.allowed.end()) {
+        return Refusal::not_allowed;
+    }
+    return std::nullopt;
+}
+
+bool ordered_by_key(std::span<const Parameter> table) {
+    return std::ranges::adjacent_find(table, std::greater_equal{}, &Parameter::key) == table.end();
+}
+
+}  // namespace
+
+std::optional<Refusal> check_value(const Parameter& row, const Value& value) {
+    if (row.is_text() != std::holds_alternative<std::string>(value)) {
+        return Refusal::wrong_type;
+    }
+    return row.is_text() ? check_text(row, std::get<std::string>(value))
+                         : check_number(row, std::get<std::int64_t>(value));
+}
+
+Store::Store(std::span<const Parameter> table)
+    : table_(table), first_cell_(table.size(), npos), selector_(table.size(), npos) {
+    require(ordered_by_key(table), "the table is not ordered by class, then attribute");
+    std::size_t cells = 0;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        if (table[i].same_as) {
+            continue;
+        }
+        first_cell_[i] = cells;
+        cells += table[i].elements;
+        if (table[i].selected_by) {
+            const Parameter* selector = find(*table[i].selected_by);
+            require(selector != nullptr, "selected_by names no row");
+            require(table[i].elements == selector->high - selector->low + 1, "a selector reaches other elements");
+            selector_[i] = index_of(*selector);
+        }
+    }
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        if (table[i].same_as) {
+            const Parameter* owner = find(*table[i].same_as);
+            require(owner != nullptr && !owner->same_as, "same_as does not name the row that owns the variable");
+            first_cell_[i] = first_cell_[index_of(*owner)];
+            selector_[i] = selector_[index_of(*owner)];
+        }
+    }
+    cells_.resize(cells);
+    reset();
+}
+
+const Parameter* Store::find(Key key) const {
+    const auto found = std::ranges::lower_bound(table_, key, {}, &Parameter::key);
+    return found != table_.end() && found->key() == key ? &*found : nullptr;
+}
+
+ReadResult Store::read(const Parameter& row) const {
+    if (!may_get(row.access)) {
+        return Refusal::write_only;
+    }
+    return value(row);
+}
+
+std::optional<Refusal> Store::check(const Parameter& row, const Value& value) const {
+    if (!may_set(row.access)) {
+        return Refusal::read_only;
+    }
+    return check_value(row, value);
+}
+
+std::optional<Refusal> Store::write(const Parameter& row, Value value) {
+    if (auto refusal = check(row, value)) {
+        return refusal;
+    }
+    assign(row, std::move(value));
+    return std::nullopt;
+}
+
+const Value& Store::value(const Parameter& row) const { return cells_[cell_of(row)]; }
+
+void Store::assign(const Parameter& row, Value value) {
+    require(row.is_text() == std::holds_alternative<std::string>(value), "a value of the other kind was assigned");
+    cells_[cell_of(row)] = std::move(value);
+}
+
+void Store::reset() {
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+        if (!table_[i].same_as) {
+            std::fill_n(cells_.begin() + static_cast<std::ptrdiff_t>(first_cell_[i]), table_[i].elements,
+                        standard_value(table_[i]));
+        }
+    }
+}
+
+std::size_t Store::index_of(const Parameter& row) const {
+    const std::less_equal<const Parameter*> not_after;
+    require(not_after(table_.data(), &row) && !not_after(table_.data() + table_.size(), &row),
+            "the row is of another table");
+    return static_cast<std::size_t>(&row - table_.data());
+}
+
+std::size_t Store::cell_of(const Parameter& row) const {
+    const std::size_t index = index_of(row);
+    if (selector_[index] == npos) {
+        return first_cell_[index];
+    }
+    // A bus cannot bring a selector outside its limits; the drive could, and then gets the nearest element.
+    const Parameter& selector = table_[selector_[index]];
+    const auto chosen = std::clamp(std::get<std::int64_t>(value(selector)), selector.low, selector.high);
+    return first_cell_[index] + static_cast<std::size_t>(chosen - selector.low);
+}
+
+}  // namespace servobus::drive

@@ -1,0 +1,67 @@
+// The values behind a parameter table, and the rules by which a bus may change them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "drive/parameter.hpp"
+#include "drive/refusal.hpp"
+
+namespace servobus::drive {
+
+/// What a parameter holds: a number in the row's unit, or characters.
+using Value = std::variant<std::int64_t, std::string>;
+
+/// Either the value, or why there is none.
+using ReadResult = std::variant<Value, Refusal>;
+
+/// Whether a row can hold a value at all, whoever brings it: its kind, its limits, its listed values.
+[[nodiscard]] std::optional<Refusal> check_value(const Parameter& row, const Value& value);
+
+/// Values of one table. Rows with the same variable (`same_as`) share one cell; rows chosen by a selector
+/// (NIX, NIF, ...) have one cell per element and show the selected one.
+/// Every `Parameter` given must be a row of the table that the store was built with.
+class Store {
+public:
+    /// All values start at their printed defaults. The table must outlive the store, and be ordered by class, then
+    /// attribute; what it names in `same_as` and `selected_by` must be in it.
+    explicit Store(std::span<const Parameter> table);
+
+    [[nodiscard]] std::span<const Parameter> table() const { return table_; }
+
+    /// The row at a CIP class and attribute, or nullptr.
+    [[nodiscard]] const Parameter* find(Key key) const;
+
+    /// What a bus reads; refuses write-only rows.
+    [[nodiscard]] ReadResult read(const Parameter& row) const;
+
+    /// Whether a bus may write this, in the order access, type, limits, listed values. Changes nothing.
+    [[nodiscard]] std::optional<Refusal> check(const Parameter& row, const Value& value) const;
+
+    /// What a bus writes. A refused write changes nothing.
+    [[nodiscard]] std::optional<Refusal> write(const Parameter& row, Value value);
+
+    /// The drive's own view of a row, whatever its access.
+    [[nodiscard]] const Value& value(const Parameter& row) const;
+
+    /// The drive's own change of a row (status, actual values). The caller keeps it inside the type.
+    void assign(const Parameter& row, Value value);
+
+    /// Back to the printed defaults.
+    void reset();
+
+private:
+    [[nodiscard]] std::size_t index_of(const Parameter& row) const;
+    [[nodiscard]] std::size_t cell_of(const Parameter& row) const;
+
+    std::span<const Parameter> table_;
+    std::vector<std::size_t> first_cell_;  ///< per row: the first cell of its variable
+    std::vector<std::size_t> selector_;    ///< per row: the row that selects its element, or npos
+    std::vector<Value> cells_;
+};
+
+}  // namespace servobus::drive
