@@ -1,0 +1,23 @@
+# What `cmake --install` lays down: the two programs, one library per folder with its public headers under
+# include/servobus/<folder>, and a CMake package, so that find_package(servobus) gives servobus::scanner and the others.
+include(CMakePackageConfigHelpers)
+
+set_target_properties(servobus_options PROPERTIES EXPORT_NAME options)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/servobus)
+
+install(TARGETS
+    servobus_options
+    servobus_drive servobus_cip servobus_assemblies servobus_enip servobus_enip_asio servobus_adapter servobus_scanner
+    EXPORT servobusTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS servobus_adapter_main servobus_scanner_main RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY drive cip assemblies enip adapter scanner DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/servobus
+    FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE)
+install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+install(EXPORT servobusTargets NAMESPACE servobus:: DESTINATION ${package_dir})
+configure_package_config_file(cmake/servobus-config.cmake.in servobus-config.cmake INSTALL_DESTINATION ${package_dir})
+# Before 1.0 a minor version may change the interface.
+write_basic_package_version_file(servobus-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES
+    ${CMAKE_CURRENT_BINARY_DIR}/servobus-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/servobus-config-version.cmake
+    DESTINATION ${package_dir})

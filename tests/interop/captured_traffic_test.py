@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""tshark must find no malformed frame and no expert warning in what the drive and its clients say to each other.
+
+Two captures: traffic in which nothing goes wrong, held to the whole rule; and refusals that are provoked on purpose,
+which must still be well formed.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+from judge import HERE, PORT, check, own_address, run, running_drive, scanner
+
+MALFORMED = "_ws.malformed"
+WARNING = "_ws.expert.severity >= 0x600000"
+# nmap hangs up with a reset, which tshark warns of. A reset that the drive sends counts.
+CLIENT_RESET = "(tcp.flags.reset == 1 and tcp.dstport == 44818)"
+
+
+@contextmanager
+def captured(address, file):
+    """Captures what goes to and from one loopback address."""
+    dumpcap = subprocess.Popen(["dumpcap", "-q", "-i", "lo", "-f", f"host {address}", "-w", file],
+                               stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    try:
+        said = []
+        while not (said and said[-1].startswith("File:")):
+            line = dumpcap.stderr.readline()
+            check(line, "the loopback interface cannot be captured; it takes root, or a kernel that grants "
+                        "network namespaces to everybody:\n" + "".join(said))
+            said.append(line)
+        time.sleep(0.5)
+        yield
+        time.sleep(0.5)
+    finally:
+        dumpcap.send_signal(signal.SIGINT)
+        summary = dumpcap.communicate(timeout=10)[1]
+    print(summary)
+    check("dropped" not in summary or "(pcap:0/" in summary, "the capture dropped packets")
+
+
+def frames(file, display_filter):
+    """The frames of a capture that a display filter selects, one line each."""
+    return run("tshark", "-n", "-r", file, "-Y", display_filter).splitlines()
+
+
+def check_that_a_bad_frame_is_found(directory):
+    """The judge itself: a SendRRData whose item is longer than the frame must be reported."""
+    text, file = Path(directory, "bad.txt"), Path(directory, "bad.pcapng")
+    frame = bytes.fromhex("6f00 1800 01000000 00000000 0000000000000000 00000000"
+                          "00000000 0000 0200 00000000 b2004000 0e03 2064 2401 3000")
+    text.write_text("000000 " + frame.hex(" "), encoding="ascii")
+    run("text2pcap", "-q", "-T", f"40000,{PORT}", text, file)
+    check(frames(file, MALFORMED), "tshark did not report a frame that is malformed on purpose")
+
+
+def talk(address):
+    scanner("discover", "--host", address)
+    scanner("identity", address)
+    scanner("--json", "identity", address)
+    scanner("get", address, "SCurve", "Statusword", "PositionActualValue")
+    scanner("set", address, "SCurve=35")
+    scanner("get", address, "SCurve")
+    scanner("dump", address)
+    run("node", HERE / "st_ethernet_ip.js", address)
+    run("nmap", "-sT", "-Pn", "-n", "--script", "enip-info", "-p", PORT, address)
+
+
+def be_refused(address):
+    refused = 4
+    scanner("set", address, "SCurve=101", expect=refused)
+    scanner("set", address, "Statusword=1", expect=refused)
+    run("node", HERE / "st_ethernet_ip.js", address, "--refusals")
+
+
+if os.geteuid() != 0:
+    # Nobody but root may capture this machine's loopback, but everybody may capture the one of a network of their own.
+    os.execvp("unshare", ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh",
+                          sys.executable, "-B", *sys.argv])
+
+address = own_address()
+with tempfile.TemporaryDirectory() as directory:
+    check_that_a_bad_frame_is_found(directory)
+
+    good, refusals = Path(directory, "good.pcapng"), Path(directory, "refusals.pcapng")
+    with running_drive(address, "--variant", "75v8s"):
+        with captured(address, good):
+            talk(address)
+        with captured(address, refusals):
+            be_refused(address)
+
+    for file, minimum in ((good, 200), (refusals, 20)):
+        count = len(frames(file, "cip"))
+        check(count >= minimum, f"only {count} frames with CIP were captured, at least {minimum} were expected")
+    check(frames(good, "enip.command == 0x63"), "no ListIdentity was captured")
+    check(frames(good, "enip.command == 0x65"), "no RegisterSession was captured")
+
+    bad = frames(good, f"({MALFORMED} or {WARNING}) and not {CLIENT_RESET}") + frames(refusals, MALFORMED)
+    check(not bad, "tshark objects to these frames:\n" + "\n".join(bad))
