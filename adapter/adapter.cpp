@@ -1,0 +1,339 @@
+#include "adapter/adapter.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "adapter/assembly_object.hpp"
+#include "adapter/parameter_object.hpp"
+#include "cip/wire.hpp"
+
+namespace servobus::adapter {
+namespace {
+
+using enip::Command;
+using enip::EncapsulationStatus;
+using enip::Frame;
+
+// The reply to a Reset is on its way before the connections go (R-ID-8).
+constexpr std::chrono::milliseconds reset_pause{100};
+
+bool is_list(Command command) {
+    return command == Command::list_services || command == Command::list_identity || command == Command::list_interfaces;
+}
+
+// R-ENC-14: the originator's maximum delay; 0 means the default, and less than the shortest is the shortest.
+std::chrono::milliseconds maximum_delay(const enip::SenderContext& context) {
+    constexpr unsigned standard = 2000;
+    constexpr unsigned shortest = 500;
+    const unsigned asked = context[0] | static_cast<unsigned>(context[1]) << 8;
+    return std::chrono::milliseconds(asked == 0 ? standard : std::max(asked, shortest));
+}
+
+template <class T>
+void take_earlier(std::optional<T>& best, std::optional<T> candidate) {
+    if (candidate && (!best || *candidate < *best)) best = candidate;
+}
+
+}  // namespace
+
+/// One TCP connection. `refused`: it came past the limit, and its first request is its last.
+struct Adapter::Connection {
+    ConnectionId id = 0;
+    enip::Endpoint peer;
+    enip::Endpoint local;
+    bool refused = false;
+    bool closing = false;
+    enip::FrameDecoder decoder;
+    enip::Time last_message{};
+    cip::Bytes replies;
+};
+
+Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log)
+    : device_(device),
+      limits_(limits),
+      log_(std::move(log)),
+      random_(seed),
+      sessions_(limits.sessions, random_()),
+      router_(node_identity(device.identity())) {
+    auto identity = std::make_unique<IdentityObject>(device.identity(), [this](ResetType type, enip::Time now) {
+        reset_ = Reset{type, now + reset_pause};
+    });
+    identity_ = identity.get();
+    router_.add(std::move(identity));
+    router_.add(std::make_unique<AssemblyObject>(device));
+    auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device.identity()), limits_,
+                                                       static_cast<std::uint16_t>(random_()), log_);
+    manager_ = manager.get();
+    router_.add(std::move(manager));
+    std::set<std::uint16_t> classes;
+    for (const auto& row : device.store().table()) classes.insert(row.cip.class_id);
+    for (const auto id : classes) router_.add(std::make_unique<ParameterObject>(device, id));
+}
+
+Adapter::~Adapter() = default;
+
+std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
+    const auto refused = static_cast<std::size_t>(
+        std::ranges::count_if(connections_, [](const auto& entry) { return entry.second->refused; }));
+    const bool full = connections_.size() - refused >= limits_.tcp_connections;
+    if (full && refused >= limits_.refusals) return std::nullopt;
+    auto connection = std::make_unique<Connection>();
+    connection->id = ++last_id_;
+    connection->peer = peer;
+    connection->local = local;
+    connection->refused = full;
+    connection->decoder = enip::FrameDecoder(limits_.frame_data_bytes);
+    connection->last_message = now;
+    if (full) {
+        log_(LogLevel::warning, fmt::format("{} refused: all {} TCP connections are in use", enip::to_string(peer),
+                                            limits_.tcp_connections));
+    } else {
+        log_(LogLevel::debug, fmt::format("{} connected", enip::to_string(peer)));
+    }
+    const auto id = connection->id;
+    connections_.emplace(id, std::move(connection));
+    return id;
+}
+
+std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time now) {
+    const auto found = connections_.find(id);
+    if (found == connections_.end()) return octets.size();
+    auto& connection = *found->second;
+    auto rest = octets;
+    while (!rest.empty() && !connection.closing && connection.replies.size() < limits_.queued_bytes) {
+        const auto message = connection.decoder.next(rest);
+        if (message) on_message(connection, *message, now);
+    }
+    // What follows an UnRegisterSession or a refusal is nobody's any more.
+    return connection.closing ? octets.size() : octets.size() - rest.size();
+}
+
+void Adapter::on_message(Connection& connection, const enip::FrameDecoder::Result& message, enip::Time now) {
+    connection.last_message = now;
+    const auto& request = message.frame;
+    if (connection.refused) {
+        request.reply(EncapsulationStatus::insufficient_memory).write(connection.replies);
+        connection.closing = true;
+        return;
+    }
+    if (request.command == Command::nop || request.status != EncapsulationStatus::success) return;
+    if (message.oversize) {
+        log_(LogLevel::warning, fmt::format("{} sent a {} that is longer than {} octets", enip::to_string(connection.peer),
+                                            enip::describe(request.command), limits_.frame_data_bytes));
+        request.reply(EncapsulationStatus::invalid_length).write(connection.replies);
+        return;
+    }
+    if (const auto reply = answer(connection, request, now)) reply->write(connection.replies);
+}
+
+std::optional<Frame> Adapter::answer(Connection& connection, const Frame& request, enip::Time now) {
+    // R-ENC-7: options are dropped without a reply, save in RegisterSession, where they are answered.
+    if (request.options != 0) {
+        if (request.command != Command::register_session) return std::nullopt;
+        return request.reply(EncapsulationStatus::unsupported_protocol);
+    }
+    if (is_list(request.command)) return list(request, connection.local);
+    switch (request.command) {
+        case Command::register_session:
+            return register_session(connection, request);
+        case Command::unregister_session:
+            return unregister_session(connection, request);
+        case Command::send_rr_data:
+            return send_rr_data(connection, request, now);
+        case Command::send_unit_data:
+            return send_unit_data(connection, request, now);
+        default:
+            return request.reply(EncapsulationStatus::unsupported_command);  // R-ENC-6
+    }
+}
+
+Frame Adapter::list(const Frame& request, enip::Endpoint local) const {
+    if (!request.data.empty()) return request.reply(EncapsulationStatus::invalid_length);  // R-ENC-11
+    enip::CommonPacket packet;
+    if (request.command == Command::list_identity) {
+        const enip::SocketAddress own{.port = local.port, .address = local.address};
+        packet.items.push_back({enip::ItemType::identity, identity_->item(own).encode()});
+    } else if (request.command == Command::list_services) {
+        packet.items.push_back({enip::ItemType::service_information, enip::ServiceItem{}.encode()});
+    }
+    return request.reply(EncapsulationStatus::success, packet.encode());
+}
+
+Frame Adapter::register_session(const Connection& connection, const Frame& request) {
+    const auto wanted = enip::RegisterSession::parse(request.data);
+    if (!wanted) return request.reply(EncapsulationStatus::invalid_length);
+    auto reply = request.reply(EncapsulationStatus::success, request.data);
+    if (wanted->version != enip::protocol_version || wanted->options != 0) {  // R-ENC-18
+        reply.status = EncapsulationStatus::unsupported_protocol;
+        reply.session = 0;
+        reply.data = enip::RegisterSession{}.encode();
+        return reply;
+    }
+    if (const auto existing = sessions_.handle_of(connection.id)) {  // R-ENC-19
+        reply.status = EncapsulationStatus::unsupported_command;
+        reply.session = existing;
+        return reply;
+    }
+    const auto handle = sessions_.open(connection.id);
+    if (!handle) {
+        log_(LogLevel::warning, fmt::format("{} gets no session: all {} are in use", enip::to_string(connection.peer),
+                                            limits_.sessions));
+        return request.reply(EncapsulationStatus::insufficient_memory);
+    }
+    log_(LogLevel::info, fmt::format("session 0x{:08X} open for {}", *handle, enip::to_string(connection.peer)));
+    reply.session = *handle;
+    return reply;
+}
+
+// R-ENC-20: honoured with data in it too.
+std::optional<Frame> Adapter::unregister_session(Connection& connection, const Frame& request) {
+    const auto handle = sessions_.handle_of(connection.id);
+    if (handle == 0 || handle != request.session) return request.reply(EncapsulationStatus::invalid_session);
+    connection.closing = true;
+    return std::nullopt;
+}
+
+std::optional<Frame> Adapter::send_rr_data(const Connection& connection, const Frame& request, enip::Time now) {
+    const auto handle = sessions_.handle_of(connection.id);
+    if (handle == 0 || handle != request.session) return request.reply(EncapsulationStatus::invalid_session);
+    constexpr std::size_t smallest = 16;  // R-ENC-11
+    if (request.data.size() < smallest) return request.reply(EncapsulationStatus::invalid_length);
+    const auto data = enip::SendData::parse(request.data);
+    if (!data) return request.reply(EncapsulationStatus::incorrect_data);
+    const auto message = enip::unconnected_message(*data);
+    if (!message) return request.reply(EncapsulationStatus::incorrect_data);
+    const cip::Origin origin{.via = cip::Origin::Via::unconnected,
+                             .session = connection.id,
+                             .address = connection.peer.address,
+                             .reply_limit = limits_.message_bytes,
+                             .now = now};
+    const auto response = router_.handle(*message, origin);
+    if (!response) return request.reply(EncapsulationStatus::incorrect_data);  // R-MSG-3
+    return request.reply(EncapsulationStatus::success, enip::SendData::unconnected(response->encode()).encode());
+}
+
+std::optional<Frame> Adapter::send_unit_data(const Connection& connection, const Frame& request, enip::Time now) {
+    const auto handle = sessions_.handle_of(connection.id);
+    if (handle == 0 || handle != request.session) return request.reply(EncapsulationStatus::invalid_session);
+    constexpr std::size_t smallest = 16;
+    if (request.data.size() < smallest) return request.reply(EncapsulationStatus::invalid_length);
+    const auto data = enip::SendData::parse(request.data);
+    if (!data) return request.reply(EncapsulationStatus::incorrect_data);
+    const auto message = enip::connected_message(*data);
+    if (!message) return request.reply(EncapsulationStatus::incorrect_data);
+    const auto reply = manager_->on_connected(*message, connection.id, connection.peer.address, now);
+    if (!reply) return std::nullopt;  // R-ENC-23
+    auto frame = request.reply(EncapsulationStatus::success, reply->encode());
+    return frame;
+}
+
+cip::Bytes Adapter::take_replies(ConnectionId id) {
+    const auto found = connections_.find(id);
+    return found != connections_.end() ? std::exchange(found->second->replies, {}) : cip::Bytes{};
+}
+
+bool Adapter::wants_close(ConnectionId id) const {
+    const auto found = connections_.find(id);
+    return found == connections_.end() || found->second->closing;
+}
+
+void Adapter::on_closed(ConnectionId id, enip::Time) {
+    const auto found = connections_.find(id);
+    if (found == connections_.end()) return;
+    if (const auto handle = sessions_.handle_of(id)) {
+        log_(LogLevel::info, fmt::format("session 0x{:08X} of {} ended", handle, enip::to_string(found->second->peer)));
+    }
+    sessions_.close(id);
+    manager_->on_session_closed(id);
+    connections_.erase(found);
+}
+
+void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
+                          enip::Time now) {
+    const auto request = Frame::parse(octets);
+    if (!request || request->status != EncapsulationStatus::success || request->options != 0) return;
+    if (request->command == Command::nop) return;
+    if (is_list(request->command)) {
+        enip::Datagram reply{local, peer, list(*request, local).encode()};
+        if (broadcast && request->command == Command::list_identity) {
+            if (!delay(std::move(reply), *request, now)) log_(LogLevel::debug, "too many broadcasts, one is dropped");
+            return;
+        }
+        datagrams_.push_back(std::move(reply));
+        return;
+    }
+    // R-ENC-5: sessions live on TCP only, and R-ENC-6. A broadcast of nonsense is not worth a reply of every device.
+    if (broadcast) return;
+    datagrams_.push_back({local, peer, request->reply(EncapsulationStatus::unsupported_command).encode()});
+}
+
+bool Adapter::delay(enip::Datagram datagram, const Frame& request, enip::Time now) {
+    if (delayed_.size() >= limits_.delayed_replies) return false;
+    std::uniform_int_distribution<std::int64_t> wait(0, maximum_delay(request.context).count());
+    delayed_.push_back({now + std::chrono::milliseconds(wait(random_)), std::move(datagram)});
+    return true;
+}
+
+std::vector<enip::Datagram> Adapter::take_datagrams() { return std::exchange(datagrams_, {}); }
+
+std::vector<Adapter::ConnectionId> Adapter::take_expired() { return std::exchange(expired_, {}); }
+
+std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) const {
+    if (connection.closing) return std::nullopt;
+    if (connection.refused) return connection.last_message + limits_.refusal_patience;
+    if (limits_.inactivity.count() == 0) return std::nullopt;
+    return connection.last_message + limits_.inactivity;
+}
+
+void Adapter::on_timer(enip::Time now) {
+    reset(now);
+    manager_->on_timer(now);
+    std::erase_if(delayed_, [&](DelayedReply& reply) {
+        if (reply.due > now) return false;
+        datagrams_.push_back(std::move(reply.datagram));
+        return true;
+    });
+    for (auto& [id, connection] : connections_) {
+        const auto deadline = deadline_of(*connection);
+        if (!deadline || *deadline > now) continue;
+        if (!connection->refused) {
+            log_(LogLevel::info, fmt::format("{} closed: no message for {} s", enip::to_string(connection->peer),
+                                             limits_.inactivity.count()));
+        }
+        connection->closing = true;
+        expired_.push_back(id);
+    }
+}
+
+std::optional<enip::Time> Adapter::next_deadline() const {
+    auto next = manager_->next_deadline();
+    if (reset_) take_earlier(next, std::optional(reset_->due));
+    for (const auto& reply : delayed_) take_earlier(next, std::optional(reply.due));
+    for (const auto& [id, connection] : connections_) take_earlier(next, deadline_of(*connection));
+    return next;
+}
+
+void Adapter::reset(enip::Time now) {
+    if (!reset_ || reset_->due > now) return;
+    const auto type = std::exchange(reset_, std::nullopt)->type;
+    log_(LogLevel::info, type == ResetType::restart ? "restart: all connections are closed"
+                                                    : "factory defaults and restart: all connections are closed");
+    shut_down();
+    if (restart_) {
+        restart_(type);
+    } else {
+        device_.reset();
+    }
+}
+
+void Adapter::shut_down() {
+    for (auto& [id, connection] : connections_) {
+        connection->closing = true;
+        expired_.push_back(id);
+    }
+}
+
+}  // namespace servobus::adapter

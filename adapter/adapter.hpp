@@ -1,0 +1,107 @@
+// The whole target without sockets: encapsulation, sessions, CIP objects, over one drive (decision 2).
+//
+//     drive::Device device(drive::xenax_models().front());
+//     adapter::Adapter adapter(device, adapter::Limits{}, seed);
+//     auto id = adapter.on_open(peer, local, now);
+//     adapter.on_octets(*id, request, now);
+//     auto reply = adapter.take_replies(*id);
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "adapter/connection_manager.hpp"
+#include "adapter/identity_object.hpp"
+#include "adapter/limits.hpp"
+#include "adapter/log.hpp"
+#include "adapter/session.hpp"
+#include "cip/message_router.hpp"
+#include "drive/device.hpp"
+#include "enip/encapsulation.hpp"
+#include "enip/frame_decoder.hpp"
+#include "enip/messages.hpp"
+#include "enip/target.hpp"
+
+namespace servobus::adapter {
+
+class Adapter final : public enip::Target {
+public:
+    /// The device must outlive the adapter. `seed` chooses session handles, connection ids and broadcast delays; the
+    /// same seed and the same input give the same octets.
+    Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log = {});
+    ~Adapter() override;
+    Adapter(const Adapter&) = delete;
+    Adapter& operator=(const Adapter&) = delete;
+
+    [[nodiscard]] std::optional<ConnectionId> on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) override;
+    [[nodiscard]] std::size_t on_octets(ConnectionId id, cip::ByteView octets, enip::Time now) override;
+    [[nodiscard]] cip::Bytes take_replies(ConnectionId id) override;
+    [[nodiscard]] bool wants_close(ConnectionId id) const override;
+    void on_closed(ConnectionId id, enip::Time now) override;
+    void on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
+                     enip::Time now) override;
+    [[nodiscard]] std::vector<enip::Datagram> take_datagrams() override;
+    void on_timer(enip::Time now) override;
+    [[nodiscard]] std::optional<enip::Time> next_deadline() const override;
+    [[nodiscard]] std::vector<ConnectionId> take_expired() override;
+
+    /// What an Identity Reset does to the device: called when all connections are closed, a moment after the reply.
+    /// Without it, the device goes back to its printed defaults.
+    void on_restart(std::function<void(ResetType)> restart) { restart_ = std::move(restart); }
+
+    /// Ends every session in order: nothing more is answered, and all connections are reported as expired.
+    void shut_down();
+
+    [[nodiscard]] const Limits& limits() const { return limits_; }
+    [[nodiscard]] std::size_t tcp_connections() const { return connections_.size(); }
+    [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
+    [[nodiscard]] std::size_t class3_connections() const { return manager_->connections(); }
+    [[nodiscard]] drive::Device& device() { return device_; }
+
+private:
+    struct Connection;
+    struct Reset {
+        ResetType type;
+        enip::Time due;
+    };
+    struct DelayedReply {
+        enip::Time due;
+        enip::Datagram datagram;
+    };
+
+    void on_message(Connection& connection, const enip::FrameDecoder::Result& message, enip::Time now);
+    [[nodiscard]] std::optional<enip::Frame> answer(Connection& connection, const enip::Frame& request, enip::Time now);
+    [[nodiscard]] enip::Frame register_session(const Connection& connection, const enip::Frame& request);
+    [[nodiscard]] std::optional<enip::Frame> unregister_session(Connection& connection, const enip::Frame& request);
+    [[nodiscard]] std::optional<enip::Frame> send_rr_data(const Connection& connection, const enip::Frame& request,
+                                                          enip::Time now);
+    [[nodiscard]] std::optional<enip::Frame> send_unit_data(const Connection& connection, const enip::Frame& request,
+                                                            enip::Time now);
+    [[nodiscard]] enip::Frame list(const enip::Frame& request, enip::Endpoint local) const;
+    [[nodiscard]] bool delay(enip::Datagram datagram, const enip::Frame& request, enip::Time now);
+    void reset(enip::Time now);
+    [[nodiscard]] std::optional<enip::Time> deadline_of(const Connection& connection) const;
+
+    drive::Device& device_;
+    Limits limits_;
+    Log log_;
+    std::mt19937_64 random_;
+    SessionTable sessions_;
+    cip::MessageRouter router_;
+    IdentityObject* identity_ = nullptr;     ///< owned by router_
+    ConnectionManager* manager_ = nullptr;   ///< owned by router_
+    std::map<ConnectionId, std::unique_ptr<Connection>> connections_;
+    ConnectionId last_id_ = 0;
+    std::vector<enip::Datagram> datagrams_;
+    std::vector<DelayedReply> delayed_;
+    std::vector<ConnectionId> expired_;
+    std::optional<Reset> reset_{};
+    std::function<void(ResetType)> restart_;
+};
+
+}  // namespace servobus::adapter

@@ -1,0 +1,183 @@
+// servobus-adapter: a virtual XENAX on the network.
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <random>
+#include <string>
+#include <variant>
+
+#include "adapter/adapter.hpp"
+#include "adapter/config.hpp"
+#include "adapter/version.hpp"
+#include "drive/xenax.hpp"
+#include "enip/asio/target_server.hpp"
+
+namespace {
+
+using servobus::adapter::Adapter;
+using servobus::adapter::Config;
+using servobus::adapter::ConfigError;
+using servobus::adapter::LogLevel;
+using servobus::adapter::ResetType;
+namespace drive = servobus::drive;
+
+constexpr int done = 0;
+constexpr int wrong_usage = 2;
+constexpr int cannot_listen = 3;
+
+// What the command line says; empty where it says nothing and file or default decide.
+struct Arguments {
+    std::string config_file;
+    std::optional<std::string> variant;
+    std::optional<std::string> bind;
+    std::optional<std::uint16_t> port;
+    std::optional<std::string> log_level;
+};
+
+int fail(int code, const std::string& reason) {
+    fmt::print(stderr, "servobus-adapter: {}\n", reason);
+    return code;
+}
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+// Nullopt: go on. Otherwise the exit code: help was asked for, or the usage is wrong.
+std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
+    CLI::App app("A virtual Jenny Science XENAX Xvi servo drive on EtherNet/IP.", "servobus-adapter");
+    std::vector<std::string> variants;
+    for (const auto& model : drive::xenax_models()) variants.emplace_back(model.key);
+    app.add_option("--variant", arguments.variant, "Which XENAX Xvi (75v8s unless given)")
+        ->check(CLI::IsMember(variants));
+    app.add_option("--bind", arguments.bind, "IPv4 address to listen at (127.0.0.1 unless given)");
+    app.add_option("--port", arguments.port, "TCP and UDP port (44818 unless given; 0 takes a free one)");
+    app.add_option("--config", arguments.config_file, "JSON file with these settings and more; see docs/adapter.md");
+    app.add_option("--log-level", arguments.log_level, "How much to say on stderr (info unless given)")
+        ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}));
+    app.set_version_flag("--version", std::string("servobus-adapter ") + servobus::adapter::version);
+    app.footer(
+        "Examples:\n"
+        "  servobus-adapter                          a 75V8S on this machine alone\n"
+        "  servobus-adapter --variant 48v8 --port 0  a 48V8 at a free port\n"
+        "  servobus-adapter --bind 192.168.1.20      on the network; read SECURITY.md first\n"
+        "  servobus-adapter --config drive.json      with identity, start values and limits of its own\n"
+        "Exit codes: 0 stopped by SIGINT or SIGTERM, 2 wrong usage or configuration, 3 cannot listen.");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& wanted) {
+        app.exit(wanted);
+        return done;
+    } catch (const CLI::ParseError& error) {
+        return fail(wrong_usage, first_line(error.what()) + " (--help shows the options)");
+    }
+    return std::nullopt;
+}
+
+// The command line wins over the file.
+void override_with(const Arguments& arguments, Config& config) {
+    if (arguments.variant) config.variant = *arguments.variant;
+    if (arguments.bind) config.bind = *arguments.bind;
+    if (arguments.port) config.port = *arguments.port;
+    if (arguments.log_level) config.log_level = *servobus::adapter::log_level(*arguments.log_level);
+}
+
+spdlog::level::level_enum to_spdlog(LogLevel level) {
+    switch (level) {
+        case LogLevel::trace:
+            return spdlog::level::trace;
+        case LogLevel::debug:
+            return spdlog::level::debug;
+        case LogLevel::info:
+            return spdlog::level::info;
+        case LogLevel::warning:
+            return spdlog::level::warn;
+        case LogLevel::error:
+            return spdlog::level::err;
+    }
+    return spdlog::level::info;
+}
+
+std::shared_ptr<spdlog::logger> make_logger(LogLevel level) {
+    auto logger = std::make_shared<spdlog::logger>("adapter", std::make_shared<spdlog::sinks::stderr_sink_st>());
+    logger->set_pattern("%H:%M:%S.%e %l: %v");
+    logger->set_level(to_spdlog(level));
+    logger->flush_on(spdlog::level::trace);
+    return logger;
+}
+
+// Every connection is a descriptor; a shell's usual 1,024 may be fewer than the limits ask for.
+void make_room_for_descriptors(const servobus::adapter::Limits& limits, spdlog::logger& logger) {
+    constexpr rlim_t own = 64;
+    const rlim_t wanted = limits.tcp_connections + limits.refusals + own;
+    rlimit files{};
+    if (::getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= wanted) return;
+    files.rlim_cur = std::min(wanted, files.rlim_max);
+    if (::setrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur < wanted) {
+        logger.warn("this process may open {} files, which is fewer than {} TCP connections need; raise it with ulimit -n",
+                    files.rlim_cur, limits.tcp_connections);
+    }
+}
+
+std::uint64_t unpredictable_seed() {
+    std::random_device source;
+    return std::uint64_t{source()} << 32 | source();
+}
+
+void restart(ResetType type, const Config& config, drive::Device& device) {
+    device.reset();
+    // Factory defaults are those of the manual; a plain restart powers up with what was configured.
+    if (type == ResetType::restart) apply_values(config, device);
+}
+
+int serve(const Config& config) {
+    const auto logger = make_logger(config.log_level);
+    make_room_for_descriptors(config.limits, *logger);
+    auto device = make_device(config);
+    Adapter adapter(device, config.limits, unpredictable_seed(), [&](LogLevel level, std::string_view line) {
+        logger->log(to_spdlog(level), line);
+    });
+    adapter.on_restart([&](ResetType type) { restart(type, config, device); });
+    servobus::enip::asio::TargetServer server(adapter, [&](const std::string& line) { logger->warn(line); });
+    if (const auto error = server.listen(config.bind, config.port)) return fail(cannot_listen, error->reason);
+    const auto& identity = device.identity();
+    fmt::print("{} (vendor {}, device type {}, product code 0x{:04X}, revision {}.{}, serial number 0x{:08X}) "
+               "listens at {}, TCP and UDP\n",
+               identity.product_name, identity.vendor, identity.device_type, identity.product_code,
+               identity.major_revision, identity.minor_revision, identity.serial_number,
+               servobus::enip::to_string(server.local()));
+    std::fflush(stdout);
+    server.run(true, [&] {
+        logger->info("stopping: {} sessions are closed", adapter.sessions());
+        adapter.shut_down();
+    });
+    return done;
+}
+
+int run(int argc, char** argv) {
+    Arguments arguments;
+    if (const auto code = parse(argc, argv, arguments)) return *code;
+    Config config;
+    if (!arguments.config_file.empty()) {
+        auto loaded = servobus::adapter::load_config(arguments.config_file);
+        if (const auto* error = std::get_if<ConfigError>(&loaded)) {
+            return fail(wrong_usage, describe(arguments.config_file, *error));
+        }
+        config = std::get<Config>(std::move(loaded));
+    }
+    override_with(arguments, config);
+    return serve(config);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {  // a library's; nothing here throws
+        return fail(1, error.what());
+    }
+}

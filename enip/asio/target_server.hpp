@@ -1,0 +1,44 @@
+// Puts an enip::Target on the network: TCP and UDP sockets, one thread, one timer.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "enip/target.hpp"
+
+namespace servobus::enip::asio {
+
+/// Why the server does not listen: one sentence for the person who started it.
+struct ListenError {
+    std::string reason;
+};
+
+class TargetServer {
+public:
+    /// `problem` receives a line when something goes wrong that the server can live with. The target must outlive the
+    /// server.
+    explicit TargetServer(Target& target, std::function<void(const std::string&)> problem = {});
+    ~TargetServer();
+    TargetServer(const TargetServer&) = delete;
+    TargetServer& operator=(const TargetServer&) = delete;
+
+    /// Opens TCP and UDP at an IPv4 address ("127.0.0.1", "0.0.0.0"). Port 0 takes a free one, the same for both.
+    [[nodiscard]] std::optional<ListenError> listen(const std::string& address, std::uint16_t port);
+    /// Where it listens, after listen().
+    [[nodiscard]] Endpoint local() const;
+
+    /// Serves until stop(), or until SIGINT or SIGTERM when `signals`. Before returning it calls `stopping`, closes
+    /// every connection and frees the sockets.
+    void run(bool signals, const std::function<void()>& stopping = {});
+    /// Ends run(); from any thread.
+    void stop();
+
+private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace servobus::enip::asio
