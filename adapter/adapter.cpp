@@ -7,7 +7,12 @@
 #include <utility>
 
 #include "adapter/assembly_object.hpp"
+#include "adapter/dlr_object.hpp"
+#include "adapter/ethernet_link_object.hpp"
+#include "adapter/file_object.hpp"
 #include "adapter/parameter_object.hpp"
+#include "adapter/qos_object.hpp"
+#include "adapter/tcp_ip_object.hpp"
 #include "cip/wire.hpp"
 
 namespace servobus::adapter {
@@ -21,7 +26,8 @@ using enip::Frame;
 constexpr std::chrono::milliseconds reset_pause{100};
 
 bool is_list(Command command) {
-    return command == Command::list_services || command == Command::list_identity || command == Command::list_interfaces;
+    return command == Command::list_services || command == Command::list_identity ||
+           command == Command::list_interfaces;
 }
 
 // R-ENC-14: the originator's maximum delay; 0 means the default, and less than the shortest is the shortest.
@@ -51,19 +57,28 @@ struct Adapter::Connection {
     cip::Bytes replies;
 };
 
-Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log)
+Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log, NetworkSettings network,
+                 DeviceFile file)
     : device_(device),
       limits_(limits),
+      network_(std::move(network)),
+      file_(std::move(file)),
       log_(std::move(log)),
       random_(seed),
       sessions_(limits.sessions, random_()),
       router_(node_identity(device.identity())) {
+    network_.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
     auto identity = std::make_unique<IdentityObject>(device.identity(), [this](ResetType type, enip::Time now) {
         reset_ = Reset{type, now + reset_pause};
     });
     identity_ = identity.get();
     router_.add(std::move(identity));
     router_.add(std::make_unique<AssemblyObject>(device));
+    router_.add(std::make_unique<TcpIpObject>(network_));
+    router_.add(std::make_unique<EthernetLinkObject>(network_));
+    router_.add(std::make_unique<QosObject>(network_.qos));
+    router_.add(std::make_unique<DlrObject>(network_.ring));
+    router_.add(std::make_unique<FileObject>(file_));
     auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device.identity()), limits_,
                                                        static_cast<std::uint16_t>(random_()), log_);
     manager_ = manager.get();
@@ -121,8 +136,9 @@ void Adapter::on_message(Connection& connection, const enip::FrameDecoder::Resul
     }
     if (request.command == Command::nop || request.status != EncapsulationStatus::success) return;
     if (message.oversize) {
-        log_(LogLevel::warning, fmt::format("{} sent a {} that is longer than {} octets", enip::to_string(connection.peer),
-                                            enip::describe(request.command), limits_.frame_data_bytes));
+        log_(LogLevel::warning,
+             fmt::format("{} sent a {} that is longer than {} octets", enip::to_string(connection.peer),
+                         enip::describe(request.command), limits_.frame_data_bytes));
         request.reply(EncapsulationStatus::invalid_length).write(connection.replies);
         return;
     }
@@ -179,8 +195,8 @@ Frame Adapter::register_session(const Connection& connection, const Frame& reque
     }
     const auto handle = sessions_.open(connection.id);
     if (!handle) {
-        log_(LogLevel::warning, fmt::format("{} gets no session: all {} are in use", enip::to_string(connection.peer),
-                                            limits_.sessions));
+        log_(LogLevel::warning,
+             fmt::format("{} gets no session: all {} are in use", enip::to_string(connection.peer), limits_.sessions));
         return request.reply(EncapsulationStatus::insufficient_memory);
     }
     log_(LogLevel::info, fmt::format("session 0x{:08X} open for {}", *handle, enip::to_string(connection.peer)));
@@ -284,8 +300,8 @@ std::vector<Adapter::ConnectionId> Adapter::take_expired() { return std::exchang
 std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) const {
     if (connection.closing) return std::nullopt;
     if (connection.refused) return connection.last_message + limits_.refusal_patience;
-    if (limits_.inactivity.count() == 0) return std::nullopt;
-    return connection.last_message + limits_.inactivity;
+    if (network_.inactivity_seconds == 0) return std::nullopt;
+    return connection.last_message + std::chrono::seconds(network_.inactivity_seconds);
 }
 
 void Adapter::on_timer(enip::Time now) {
@@ -301,7 +317,7 @@ void Adapter::on_timer(enip::Time now) {
         if (!deadline || *deadline > now) continue;
         if (!connection->refused) {
             log_(LogLevel::info, fmt::format("{} closed: no message for {} s", enip::to_string(connection->peer),
-                                             limits_.inactivity.count()));
+                                             network_.inactivity_seconds));
         }
         connection->closing = true;
         expired_.push_back(id);
@@ -322,6 +338,15 @@ void Adapter::reset(enip::Time now) {
     log_(LogLevel::info, type == ResetType::restart ? "restart: all connections are closed"
                                                     : "factory defaults and restart: all connections are closed");
     shut_down();
+    if (type == ResetType::factory_defaults) {
+        // The address itself is the host's (R-DHC-5); everything that a client can set goes back.
+        NetworkSettings defaults;
+        defaults.interface = network_.interface;
+        defaults.mac = network_.mac;
+        defaults.ring = network_.ring;
+        defaults.last_conflict = network_.last_conflict;
+        network_ = defaults;
+    }
     if (restart_) {
         restart_(type);
     } else {

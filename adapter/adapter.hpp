@@ -19,6 +19,7 @@
 #include "adapter/identity_object.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
+#include "adapter/network_settings.hpp"
 #include "adapter/session.hpp"
 #include "cip/message_router.hpp"
 #include "drive/device.hpp"
@@ -32,13 +33,15 @@ namespace servobus::adapter {
 class Adapter final : public enip::Target {
 public:
     /// The device must outlive the adapter. `seed` chooses session handles, connection ids and broadcast delays; the
-    /// same seed and the same input give the same octets.
-    Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log = {});
+    /// same seed and the same input give the same octets. `file` is what the File object hands out.
+    Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log = {}, NetworkSettings network = {},
+            DeviceFile file = {});
     ~Adapter() override;
     Adapter(const Adapter&) = delete;
     Adapter& operator=(const Adapter&) = delete;
 
-    [[nodiscard]] std::optional<ConnectionId> on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) override;
+    [[nodiscard]] std::optional<ConnectionId> on_open(enip::Endpoint peer, enip::Endpoint local,
+                                                      enip::Time now) override;
     [[nodiscard]] std::size_t on_octets(ConnectionId id, cip::ByteView octets, enip::Time now) override;
     [[nodiscard]] cip::Bytes take_replies(ConnectionId id) override;
     [[nodiscard]] bool wants_close(ConnectionId id) const override;
@@ -62,6 +65,8 @@ public:
     [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
     [[nodiscard]] std::size_t class3_connections() const { return manager_->connections(); }
     [[nodiscard]] drive::Device& device() { return device_; }
+    /// The values behind the network objects; whoever knows the host's address writes it here.
+    [[nodiscard]] NetworkSettings& network() { return network_; }
 
 private:
     struct Connection;
@@ -89,12 +94,14 @@ private:
 
     drive::Device& device_;
     Limits limits_;
+    NetworkSettings network_;
+    DeviceFile file_;
     Log log_;
     std::mt19937_64 random_;
     SessionTable sessions_;
     cip::MessageRouter router_;
-    IdentityObject* identity_ = nullptr;     ///< owned by router_
-    ConnectionManager* manager_ = nullptr;   ///< owned by router_
+    IdentityObject* identity_ = nullptr;    ///< owned by router_
+    ConnectionManager* manager_ = nullptr;  ///< owned by router_
     std::map<ConnectionId, std::unique_ptr<Connection>> connections_;
     ConnectionId last_id_ = 0;
     std::vector<enip::Datagram> datagrams_;

@@ -81,7 +81,8 @@ cip::Status AssemblyObject::set(std::uint32_t instance, std::uint32_t, cip::Byte
     cip::Bytes kept(value.begin(), value.end());
     std::size_t offset = 0;
     for (const auto& member : layout.members) {
-        if (member.kind == assemblies::Member::Kind::padding) std::fill_n(kept.begin() + static_cast<std::ptrdiff_t>(offset), member.octets, std::uint8_t{0});
+        if (member.kind == assemblies::Member::Kind::padding)
+            std::fill_n(kept.begin() + static_cast<std::ptrdiff_t>(offset), member.octets, std::uint8_t{0});
         offset += member.octets;
     }
     written_[instance] = std::move(kept);

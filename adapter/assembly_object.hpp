@@ -18,7 +18,8 @@ public:
     [[nodiscard]] cip::ClassInfo info() const override;
     [[nodiscard]] bool has_instance(std::uint32_t instance) const override;
     [[nodiscard]] bool offers(std::uint8_t service) const override;
-    [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance, std::uint32_t id) const override;
+    [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance,
+                                                                std::uint32_t id) const override;
     [[nodiscard]] cip::Status get(std::uint32_t instance, std::uint32_t id, cip::Writer& value) const override;
     [[nodiscard]] cip::Status set(std::uint32_t instance, std::uint32_t id, cip::ByteView value) override;
     [[nodiscard]] std::optional<std::size_t> value_size(std::uint32_t instance, std::uint32_t id,

@@ -20,8 +20,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t max_file_bytes = std::size_t{1} << 20;
-constexpr std::size_t max_product_name = 32;  // R-ID-1
+constexpr std::size_t max_file_bytes = std::size_t{1} << 20;  // of a configuration, and of an EDS
+constexpr std::size_t max_product_name = 32;                  // R-ID-1
 // Enough for every descriptor that a process usually may open, and less than would exhaust memory.
 constexpr std::size_t max_limit = 100'000;
 
@@ -107,6 +107,13 @@ Setter text(std::string& target) {
     };
 }
 
+Setter text(std::optional<std::string>& target) {
+    return [&target](const json& value) -> Reason {
+        target.emplace();
+        return text(*target)(value);
+    };
+}
+
 Setter product_name(std::optional<std::string>& target) {
     return [&target](const json& value) -> Reason {
         if (!value.is_string() || value.get_ref<const std::string&>().empty() ||
@@ -140,7 +147,8 @@ Reason add_value(Config& config, const std::string& name, const json& value) {
     const auto rows = drive::find_by_name(drive::parameters(), drive::parameter_classes(), name);
     if (rows.empty()) {
         const auto nearest = drive::nearest_names(drive::parameters(), drive::parameter_classes(), name, 1);
-        return nearest.empty() ? "is no parameter" : fmt::format("is no parameter; did you mean '{}'?", nearest.front());
+        return nearest.empty() ? "is no parameter"
+                               : fmt::format("is no parameter; did you mean '{}'?", nearest.front());
     }
     if (rows.size() > 1) {
         return fmt::format("names several parameters; write '{}' or '{}'",
@@ -218,19 +226,23 @@ std::optional<ConfigError> read_members(const JsonDocument& document, Config& co
         {"port", whole_number(config.port, 0, 65535)},
         {"log_level", one_of(config.log_level, levels)},
         {"motor", one_of(config.motor, motors)},
-        {"identity", section("identity", [&](const json& value, const std::string& pointer) {
-             return walk.object(value, pointer, identity_setters(config));
-         })},
-        {"limits", section("limits", [&](const json& value, const std::string& pointer) {
-             return walk.object(value, pointer, limit_setters(config, inactivity_seconds));
-         })},
-        {"values", section("values", [&](const json& value, const std::string& pointer) -> std::optional<ConfigError> {
-             for (const auto& [name, entry] : value.items()) {
-                 const auto reason = add_value(config, name, entry);
-                 if (!reason.empty()) return walk.error(pointer, name, reason);
-             }
-             return std::nullopt;
-         })},
+        {"eds", text(config.eds)},
+        {"identity", section("identity",
+                             [&](const json& value, const std::string& pointer) {
+                                 return walk.object(value, pointer, identity_setters(config));
+                             })},
+        {"limits", section("limits",
+                           [&](const json& value, const std::string& pointer) {
+                               return walk.object(value, pointer, limit_setters(config, inactivity_seconds));
+                           })},
+        {"values", section("values",
+                           [&](const json& value, const std::string& pointer) -> std::optional<ConfigError> {
+                               for (const auto& [name, entry] : value.items()) {
+                                   const auto reason = add_value(config, name, entry);
+                                   if (!reason.empty()) return walk.error(pointer, name, reason);
+                               }
+                               return std::nullopt;
+                           })},
     };
     for (const auto& [key, value] : document.root.items()) {
         if (auto error = walk.object(json::object({{key, value}}), "", setters)) return error;
@@ -238,6 +250,18 @@ std::optional<ConfigError> read_members(const JsonDocument& document, Config& co
     }
     config.limits.inactivity = std::chrono::seconds(inactivity_seconds);
     return std::nullopt;
+}
+
+std::variant<std::string, ConfigError> read_file(const std::filesystem::path& file) {
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) return ConfigError{0, 0, "is a directory, not a file"};
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) return ConfigError{0, 0, "cannot be read"};
+    std::string text(max_file_bytes + 1, '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > max_file_bytes) return ConfigError{0, 0, fmt::format("is larger than {} octets", max_file_bytes)};
+    return text;
 }
 
 }  // namespace
@@ -260,15 +284,32 @@ std::variant<Config, ConfigError> parse_config(const std::string& text) {
 }
 
 std::variant<Config, ConfigError> load_config(const std::filesystem::path& file) {
-    std::error_code error;
-    if (std::filesystem::is_directory(file, error)) return ConfigError{0, 0, "is a directory, not a file"};
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) return ConfigError{0, 0, "cannot be read"};
-    std::string text(max_file_bytes + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > max_file_bytes) return ConfigError{0, 0, fmt::format("is larger than {} octets", max_file_bytes)};
-    return parse_config(text);
+    auto content = read_file(file);
+    if (auto* error = std::get_if<ConfigError>(&content)) return *error;
+    return parse_config(std::get<std::string>(content));
+}
+
+std::variant<DeviceFile, ConfigError> load_eds(const Config& config) {
+    DeviceFile file;
+    if (!config.eds) return file;
+    auto content = read_file(*config.eds);
+    if (auto* error = std::get_if<ConfigError>(&content)) return *error;
+    const auto& octets = std::get<std::string>(content);
+    file.content.assign(octets.begin(), octets.end());
+    file.name = std::filesystem::path(*config.eds).filename().string();
+    return file;
+}
+
+NetworkSettings make_network(const drive::Identity& identity) {
+    NetworkSettings network;
+    const auto serial = identity.serial_number;
+    network.mac = {0x02,
+                   0x00,
+                   static_cast<std::uint8_t>(serial >> 24),
+                   static_cast<std::uint8_t>(serial >> 16),
+                   static_cast<std::uint8_t>(serial >> 8),
+                   static_cast<std::uint8_t>(serial)};
+    return network;
 }
 
 std::optional<LogLevel> log_level(std::string_view word) {

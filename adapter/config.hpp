@@ -11,6 +11,7 @@
 
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
+#include "adapter/network_settings.hpp"
 #include "drive/device.hpp"
 
 namespace servobus::adapter {
@@ -26,6 +27,8 @@ struct Config {
     std::optional<std::uint8_t> major_revision{};
     std::optional<std::uint8_t> minor_revision{};
     std::optional<std::string> product_name{};
+    /// The EDS file that the File object hands out; a path relative to the working directory.
+    std::optional<std::string> eds{};
     /// What parameters hold after power-up instead of their printed defaults, whatever their access.
     std::vector<std::pair<drive::Key, drive::Value>> values{};
     Limits limits{};
@@ -48,6 +51,13 @@ struct ConfigError {
 
 /// The level that a word names: trace, debug, info, warning, error.
 [[nodiscard]] std::optional<LogLevel> log_level(std::string_view word);
+
+/// The network settings that a configuration describes: the MAC address follows from the serial number, so that two
+/// drives on one network differ.
+[[nodiscard]] NetworkSettings make_network(const drive::Identity& identity);
+
+/// The EDS that is configured, read whole; without one, a file object that says it has none.
+[[nodiscard]] std::variant<DeviceFile, ConfigError> load_eds(const Config& config);
 
 /// The device that a configuration describes, after power-up.
 [[nodiscard]] drive::Device make_device(const Config& config);

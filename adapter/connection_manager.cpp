@@ -87,9 +87,7 @@ cip::GeneralStatus length_status(cip::DecodeError error) {
 }
 
 // A hop that ends at this node: port 1 address 0, as originators write for "the device itself" (R-CM-9).
-bool is_self(const cip::PortSegment& hop) {
-    return hop.port == backplane_port && hop.link_address == cip::Bytes{0};
-}
+bool is_self(const cip::PortSegment& hop) { return hop.port == backplane_port && hop.link_address == cip::Bytes{0}; }
 
 // This device routes nowhere: the port does not exist, or nobody is at that address behind it.
 cip::ConnectionFailure no_route(const cip::PortSegment& hop) {
@@ -188,9 +186,9 @@ cip::Response ConnectionManager::forward_open(const cip::RequestView& request, c
     auto status = check(*open);
     if (!status.ok()) {
         count_reject(status);
-        log_(LogLevel::warning, fmt::format("Forward_Open of connection serial {} by vendor {} refused: {}",
-                                            open->triad.serial_number, open->triad.originator_vendor,
-                                            cip::describe(status)));
+        log_(LogLevel::warning,
+             fmt::format("Forward_Open of connection serial {} by vendor {} refused: {}", open->triad.serial_number,
+                         open->triad.originator_vendor, cip::describe(status)));
         return refuse(request.service, std::move(status), open->triad);
     }
     const auto& connection = admit(*open, origin);
@@ -207,10 +205,10 @@ cip::Response ConnectionManager::forward_open(const cip::RequestView& request, c
 
 // The order of R-CON-15.
 cip::Status ConnectionManager::check(const cip::ForwardOpen& open) const {
-    const bool open_already = std::ranges::any_of(connections_, [&](const auto& entry) {
-        return entry.second.triad == open.triad;
-    });
-    const bool null_open = open.o_to_t.type == cip::ConnectionType::null && open.t_to_o.type == cip::ConnectionType::null;
+    const bool open_already =
+        std::ranges::any_of(connections_, [&](const auto& entry) { return entry.second.triad == open.triad; });
+    const bool null_open =
+        open.o_to_t.type == cip::ConnectionType::null && open.t_to_o.type == cip::ConnectionType::null;
     if (open_already && !null_open) return cip::ConnectionFailure::duplicate_forward_open;
     if (auto status = check_types(open); !status.ok()) return status;
     if (auto status = check_path(open.path); !status.ok()) return status;
@@ -283,7 +281,8 @@ std::uint32_t ConnectionManager::choose_id() {
 }
 
 ExplicitConnection* ConnectionManager::find(const cip::ConnectionTriad& triad) {
-    const auto found = std::ranges::find_if(connections_, [&](const auto& entry) { return entry.second.triad == triad; });
+    const auto found =
+        std::ranges::find_if(connections_, [&](const auto& entry) { return entry.second.triad == triad; });
     return found != connections_.end() ? &found->second : nullptr;
 }
 
@@ -360,7 +359,8 @@ void ConnectionManager::on_timer(cip::Time now) {
 }
 
 std::optional<cip::Time> ConnectionManager::next_deadline() const {
-    const auto first = std::ranges::min_element(connections_, {}, [](const auto& entry) { return entry.second.deadline; });
+    const auto first =
+        std::ranges::min_element(connections_, {}, [](const auto& entry) { return entry.second.deadline; });
     if (first == connections_.end()) return std::nullopt;
     return first->second.deadline;
 }

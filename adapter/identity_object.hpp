@@ -30,7 +30,8 @@ public:
 
     [[nodiscard]] cip::ClassInfo info() const override;
     [[nodiscard]] bool offers(std::uint8_t service) const override;
-    [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance, std::uint32_t id) const override;
+    [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance,
+                                                                std::uint32_t id) const override;
     [[nodiscard]] cip::Status get(std::uint32_t instance, std::uint32_t id, cip::Writer& value) const override;
     [[nodiscard]] std::span<const std::uint16_t> attributes_all() const override;
     [[nodiscard]] cip::Response call(const cip::RequestView& request, const cip::RequestPath& path,

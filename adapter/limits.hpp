@@ -29,7 +29,7 @@ struct Limits {
     std::size_t message_bytes = cip::max_message_bytes;
     /// Broadcast ListIdentity replies that wait for their random delay (R-ENC-15).
     std::size_t delayed_replies = 64;
-    /// A TCP connection without a message for this long is closed; zero: never (R-ENC-24).
+    /// A TCP connection without a message for this long is closed; zero: never (R-ENC-24). Where 0xF5/1/13 starts.
     std::chrono::seconds inactivity{120};
 };
 

@@ -22,6 +22,7 @@ namespace {
 using servobus::adapter::Adapter;
 using servobus::adapter::Config;
 using servobus::adapter::ConfigError;
+using servobus::adapter::DeviceFile;
 using servobus::adapter::LogLevel;
 using servobus::adapter::ResetType;
 namespace drive = servobus::drive;
@@ -117,8 +118,9 @@ void make_room_for_descriptors(const servobus::adapter::Limits& limits, spdlog::
     if (::getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= wanted) return;
     files.rlim_cur = std::min(wanted, files.rlim_max);
     if (::setrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur < wanted) {
-        logger.warn("this process may open {} files, which is fewer than {} TCP connections need; raise it with ulimit -n",
-                    files.rlim_cur, limits.tcp_connections);
+        logger.warn(
+            "this process may open {} files, which is fewer than {} TCP connections need; raise it with ulimit -n",
+            files.rlim_cur, limits.tcp_connections);
     }
 }
 
@@ -136,19 +138,23 @@ void restart(ResetType type, const Config& config, drive::Device& device) {
 int serve(const Config& config) {
     const auto logger = make_logger(config.log_level);
     make_room_for_descriptors(config.limits, *logger);
+    auto eds = load_eds(config);
+    if (const auto* error = std::get_if<ConfigError>(&eds)) return fail(wrong_usage, describe(*config.eds, *error));
     auto device = make_device(config);
-    Adapter adapter(device, config.limits, unpredictable_seed(), [&](LogLevel level, std::string_view line) {
-        logger->log(to_spdlog(level), line);
-    });
+    const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
+    Adapter adapter(device, config.limits, unpredictable_seed(), log,
+                    servobus::adapter::make_network(device.identity()), std::get<DeviceFile>(std::move(eds)));
     adapter.on_restart([&](ResetType type) { restart(type, config, device); });
     servobus::enip::asio::TargetServer server(adapter, [&](const std::string& line) { logger->warn(line); });
     if (const auto error = server.listen(config.bind, config.port)) return fail(cannot_listen, error->reason);
+    adapter.network().interface.address = server.local().address;
+    adapter.network().interface.mask = server.subnet_mask();
     const auto& identity = device.identity();
-    fmt::print("{} (vendor {}, device type {}, product code 0x{:04X}, revision {}.{}, serial number 0x{:08X}) "
-               "listens at {}, TCP and UDP\n",
-               identity.product_name, identity.vendor, identity.device_type, identity.product_code,
-               identity.major_revision, identity.minor_revision, identity.serial_number,
-               servobus::enip::to_string(server.local()));
+    fmt::print(
+        "{} (vendor {}, device type {}, product code 0x{:04X}, revision {}.{}, serial number 0x{:08X}) "
+        "listens at {}, TCP and UDP\n",
+        identity.product_name, identity.vendor, identity.device_type, identity.product_code, identity.major_revision,
+        identity.minor_revision, identity.serial_number, servobus::enip::to_string(server.local()));
     std::fflush(stdout);
     server.run(true, [&] {
         logger->info("stopping: {} sessions are closed", adapter.sessions());

@@ -15,7 +15,8 @@ public:
 
     [[nodiscard]] cip::ClassInfo info() const override { return info_; }
     [[nodiscard]] bool offers(std::uint8_t service) const override;
-    [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance, std::uint32_t id) const override;
+    [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance,
+                                                                std::uint32_t id) const override;
     [[nodiscard]] std::optional<std::uint32_t> implied_attribute() const override;
     [[nodiscard]] cip::Status get(std::uint32_t instance, std::uint32_t id, cip::Writer& value) const override;
     [[nodiscard]] cip::Status set(std::uint32_t instance, std::uint32_t id, cip::ByteView value) override;

@@ -49,7 +49,7 @@ std::optional<Interface> interface_of(std::uint32_t address) {
         // The whole of 127.0.0.0/8 belongs to the loopback interface, any other address only to its own.
         const bool loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0;
         const bool covered = loopback ? (*own & *mask) == (address & *mask) : *own == address;
-        if (covered) return Interface{::if_nametoindex(entry->ifa_name), address | ~*mask};
+        if (covered) return Interface{::if_nametoindex(entry->ifa_name), *mask, address | ~*mask};
     }
     return std::nullopt;
 }

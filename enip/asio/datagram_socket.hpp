@@ -13,10 +13,11 @@
 
 namespace servobus::enip::asio {
 
-/// The interface that an address belongs to: its index, and the directed broadcast of its subnet.
+/// The interface that an address belongs to: its index, and its subnet. Host order.
 struct Interface {
     unsigned index = 0;
-    std::uint32_t broadcast = 0;  ///< host order
+    std::uint32_t mask = 0;
+    std::uint32_t broadcast = 0;  ///< the directed broadcast of the subnet
 };
 
 /// Nullopt for 0.0.0.0 and for an address that no interface covers.

@@ -65,6 +65,7 @@ public:
 
     std::optional<ListenError> listen(const std::string& address, std::uint16_t port);
     [[nodiscard]] Endpoint local() const { return local_; }
+    [[nodiscard]] std::uint32_t subnet_mask() const { return interface_ ? interface_->mask : 0; }
     void run(bool signals, const std::function<void()>& stopping);
     void stop() {
         net::post(context_, [this] { shut_down(); });
@@ -109,14 +110,18 @@ private:
 std::optional<ListenError> TargetServer::Impl::listen(const std::string& address, std::uint16_t port) {
     error_code error;
     const auto parsed = net::ip::make_address_v4(address, error);
-    if (error) return ListenError{fmt::format("'{}' is not an IPv4 address; give one of this machine, such as 127.0.0.1", address)};
+    if (error)
+        return ListenError{
+            fmt::format("'{}' is not an IPv4 address; give one of this machine, such as 127.0.0.1", address)};
     const tcp::endpoint endpoint(parsed, port);
     const auto fail = [&](std::string_view protocol, std::uint16_t at) {
         std::string_view hint;
-        if (error == net::error::address_in_use) hint = "; another program listens there, stop it or choose --port or --bind";
+        if (error == net::error::address_in_use)
+            hint = "; another program listens there, stop it or choose --port or --bind";
         if (error == net::error::access_denied) hint = "; ports below 1024 need privileges";
         if (error.value() == EADDRNOTAVAIL) hint = "; this machine does not have that address";
-        return ListenError{fmt::format("cannot listen at {} {}:{}: {}{}", protocol, address, at, error.message(), hint)};
+        return ListenError{
+            fmt::format("cannot listen at {} {}:{}: {}{}", protocol, address, at, error.message(), hint)};
     };
     acceptor_.open(tcp::v4(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
@@ -320,6 +325,8 @@ std::optional<ListenError> TargetServer::listen(const std::string& address, std:
 }
 
 Endpoint TargetServer::local() const { return impl_->local(); }
+
+std::uint32_t TargetServer::subnet_mask() const { return impl_->subnet_mask(); }
 
 void TargetServer::run(bool signals, const std::function<void()>& stopping) { impl_->run(signals, stopping); }
 

@@ -29,6 +29,8 @@ public:
     [[nodiscard]] std::optional<ListenError> listen(const std::string& address, std::uint16_t port);
     /// Where it listens, after listen().
     [[nodiscard]] Endpoint local() const;
+    /// The mask of the subnet that local() is in; 0 when it listens at all addresses.
+    [[nodiscard]] std::uint32_t subnet_mask() const;
 
     /// Serves until stop(), or until SIGINT or SIGTERM when `signals`. Before returning it calls `stopping`, closes
     /// every connection and frees the sockets.

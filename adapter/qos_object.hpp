@@ -1,0 +1,25 @@
+// The QoS object (0x48, R-QOS). The values are stored; packets are marked once I/O connections are served.
+#pragma once
+
+#include "adapter/network_settings.hpp"
+#include "cip/object.hpp"
+
+namespace servobus::adapter {
+
+class QosObject final : public cip::Object {
+public:
+    /// The settings must outlive the object.
+    explicit QosObject(QualityOfService& settings) : settings_(settings) {}
+
+    [[nodiscard]] cip::ClassInfo info() const override;
+    [[nodiscard]] bool offers(std::uint8_t service) const override;
+    [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance,
+                                                                std::uint32_t id) const override;
+    [[nodiscard]] cip::Status get(std::uint32_t instance, std::uint32_t id, cip::Writer& value) const override;
+    [[nodiscard]] cip::Status set(std::uint32_t instance, std::uint32_t id, cip::ByteView value) override;
+
+private:
+    QualityOfService& settings_;
+};
+
+}  // namespace servobus::adapter
