@@ -55,7 +55,8 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     app.add_option("--variant", arguments.variant, "Which XENAX Xvi (75v8s unless given)")
         ->check(CLI::IsMember(variants));
     app.add_option("--bind", arguments.bind, "IPv4 address to listen at (127.0.0.1 unless given)");
-    app.add_option("--port", arguments.port, "TCP and UDP port (44818 unless given; 0 takes a free one)");
+    app.add_option("--port", arguments.port, "TCP and UDP port (44818 unless given; 0 takes a free one)")
+        ->check(CLI::Range(0, 65535));
     app.add_option("--config", arguments.config_file, "JSON file with these settings and more; see docs/adapter.md");
     app.add_option("--log-level", arguments.log_level, "How much to say on stderr (info unless given)")
         ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}));

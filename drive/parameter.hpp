@@ -89,7 +89,7 @@ struct Parameter {
     std::size_t max_length = 0;               ///< characters a text parameter holds
     std::span<const std::int64_t> allowed{};  ///< when not empty: the only legal numbers (errata X-20)
     Form form = Form::number;
-    bool force_option = false;  ///< needs the Signateq amplifier of the Xvi 75V8S (000 §2.3.8)
+    bool force_option = false;  ///< only the Xvi 75V8S has it (000 §2.3.8, 004 §3.4)
     CipAddress cip;
     std::optional<OdAddress> od{};
     std::optional<Key> same_as{};      ///< a second address of the variable of that row
