@@ -84,7 +84,7 @@ private:
     cip::Response unconnected_send(const cip::RequestView& request, const cip::Origin& origin);
 
     [[nodiscard]] cip::Status check(const cip::ForwardOpen& open) const;
-    [[nodiscard]] cip::Status check_path(cip::ByteView path) const;
+    [[nodiscard]] cip::Status check_path(cip::ByteView octets) const;
     [[nodiscard]] cip::Status check_sizes(const cip::ForwardOpen& open) const;
     ExplicitConnection& admit(const cip::ForwardOpen& open, const cip::Origin& origin);
     [[nodiscard]] std::uint32_t choose_id();

@@ -30,8 +30,8 @@ constexpr std::array<std::uint16_t, 10> all{1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
 
 constexpr std::uint32_t megabits = 100;
 constexpr std::uint32_t link_up_full_duplex_negotiated = 0x0F;  // R-ETH-2
-constexpr std::size_t interface_counter_octets = 11 * 4;
-constexpr std::size_t media_counter_octets = 12 * 4;
+constexpr std::size_t interface_counter_octets = std::size_t{11} * 4;
+constexpr std::size_t media_counter_octets = std::size_t{12} * 4;
 constexpr std::uint8_t twisted_pair = 2;
 constexpr std::uint8_t enabled = 1;
 

@@ -45,11 +45,11 @@ cip::Status ParameterObject::get(std::uint32_t, std::uint32_t id, cip::Writer& v
     return {};
 }
 
-cip::Status ParameterObject::set(std::uint32_t, std::uint32_t id, cip::ByteView data) {
+cip::Status ParameterObject::set(std::uint32_t, std::uint32_t id, cip::ByteView value) {
     const auto* found = row(id);
-    auto value = assemblies::read_value(*found, data);
-    if (!value) return value.error();
-    const auto refusal = device_.write(*found, std::move(*value));
+    auto parsed = assemblies::read_value(*found, value);
+    if (!parsed) return parsed.error();
+    const auto refusal = device_.write(*found, std::move(*parsed));
     return refusal ? assemblies::to_status(*refusal) : cip::Status{};
 }
 

@@ -32,8 +32,8 @@ cip::Status QosObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value) 
     return {};
 }
 
-cip::Status QosObject::set(std::uint32_t, std::uint32_t id, cip::ByteView data) {
-    const auto wanted = whole_value<std::uint8_t>(data);
+cip::Status QosObject::set(std::uint32_t, std::uint32_t id, cip::ByteView value) {
+    const auto wanted = whole_value<std::uint8_t>(value);
     if (!wanted) return wanted.error();
     if (*wanted > (id == tag_enable ? 1 : max_dscp)) return cip::GeneralStatus::invalid_attribute_value;
     (id == tag_enable ? settings_.tag_enable : settings_.dscp[id - first_dscp]) = *wanted;

@@ -122,16 +122,16 @@ TEST(Table, ForceOptionRowsAreThoseOfTheManual) {
         EXPECT_TRUE(each.force_option || each.cip.class_id != 0x6E) << each.name;
     }
     EXPECT_EQ(keys, (std::vector<Key>{{0x64, 0x09},
-                                         {0x64, 0x0A},
-                                         {0x65, 0x38},
-                                         {0x65, 0x43},
-                                         {0x65, 0x44},
-                                         {0x65, 0x45},
-                                         {0x65, 0xA7},
-                                         {0x65, 0xC4},
-                                         {0x65, 0xC5},
-                                         {0x65, 0xC6},
-                                         {0x65, 0xC7}}));
+                                      {0x64, 0x0A},
+                                      {0x65, 0x38},
+                                      {0x65, 0x43},
+                                      {0x65, 0x44},
+                                      {0x65, 0x45},
+                                      {0x65, 0xA7},
+                                      {0x65, 0xC4},
+                                      {0x65, 0xC5},
+                                      {0x65, 0xC6},
+                                      {0x65, 0xC7}}));
 }
 
 }  // namespace
