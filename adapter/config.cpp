@@ -176,7 +176,7 @@ public:
     }
 
     ConfigError error(const std::string& pointer, const std::string& key, const Reason& reason) const {
-        const auto found = document_.positions.find(pointer + "/" + nlohmann::detail::escape(key));
+        const auto found = document_.positions.find((json::json_pointer(pointer) / key).to_string());
         const auto position = found != document_.positions.end() ? found->second : Position{};
         return {position.line, position.column, fmt::format("'{}' {}", key, reason)};
     }

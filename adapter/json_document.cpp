@@ -51,8 +51,6 @@ private:
     Cursor* cursor_;
 };
 
-std::string escaped(const std::string& key) { return "/" + nlohmann::detail::escape(key); }
-
 // Follows the parser through objects and arrays, and notes where each key begins.
 class Positions {
 public:
@@ -62,13 +60,13 @@ public:
         if (event != json::parse_event_t::key) return true;
         const auto level = static_cast<std::size_t>(depth);
         path_.resize(level);
-        path_.back() = escaped(parsed.get_ref<const std::string&>());
-        std::string pointer;
-        for (const auto& part : path_) pointer += part;
+        path_.back() = parsed.get<std::string>();
+        json::json_pointer pointer;
+        for (const auto& part : path_) pointer /= part;
         auto position = cursor_.next;  // just behind the closing quote
         const auto width = parsed.get_ref<const std::string&>().size() + 2;
         position.column -= std::min(position.column - 1, width);
-        if (!found.emplace(pointer, position).second && !repeated) {
+        if (!found.emplace(pointer.to_string(), position).second && !repeated) {
             repeated = JsonError{position, fmt::format("'{}' stands here a second time", parsed.get<std::string>())};
         }
         return true;

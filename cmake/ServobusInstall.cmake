@@ -11,7 +11,8 @@ install(TARGETS
     EXPORT servobusTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS servobus_adapter_main servobus_scanner_main RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY drive cip assemblies enip adapter scanner DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/servobus
-    FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE)
+    FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE PATTERN cli EXCLUDE
+    PATTERN adapter/config.hpp EXCLUDE PATTERN adapter/json_document.hpp EXCLUDE)
 install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(EXPORT servobusTargets NAMESPACE servobus:: DESTINATION ${package_dir})
