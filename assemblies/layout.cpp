@@ -79,8 +79,8 @@ std::uint64_t present(const Member& member, const drive::Device& device, std::in
 
 // Calls `act(row, value)` for each parameter of the image until one refuses.
 template <class Act>
-std::optional<drive::Refusal> for_each_parameter(const Layout& layout, cip::ByteView image,
-                                                 const drive::Device& device, Act act) {
+std::optional<drive::Refusal> for_each_parameter(const Layout& layout, cip::ByteView image, const drive::Device& device,
+                                                 Act act) {
     cip::Reader reader(image);
     for (const auto& member : layout.members) {
         const auto octets = reader.take(member.octets);
@@ -111,13 +111,11 @@ void pack(const Layout& layout, const drive::Device& device, std::int64_t time_s
 }
 
 std::optional<drive::Refusal> unpack(const Layout& layout, cip::ByteView image, drive::Device& device) {
-    const auto refused = for_each_parameter(layout, image, device, [&](const auto& row, const auto& value) {
-        return device.check(row, value);
-    });
+    const auto refused = for_each_parameter(
+        layout, image, device, [&](const auto& row, const auto& value) { return device.check(row, value); });
     if (refused) return refused;
-    return for_each_parameter(layout, image, device, [&](const auto& row, const auto& value) {
-        return device.write(row, value);
-    });
+    return for_each_parameter(layout, image, device,
+                              [&](const auto& row, const auto& value) { return device.write(row, value); });
 }
 
 }  // namespace servobus::assemblies

@@ -8,13 +8,13 @@
 namespace servobus::cip {
 
 enum class DecodeError : std::uint8_t {
-    truncated,         ///< the message ends before its last field
-    trailing,          ///< octets after the last field
-    path_too_long,     ///< the path size runs past the message (status 0x26)
-    bad_segment,       ///< reserved, unsupported or misplaced segment (status 0x04)
-    bad_length,        ///< a length field contradicts the others
-    bad_value,         ///< a field holds a value that the format does not have
-    too_many,          ///< more elements than the named limit
+    truncated,      ///< the message ends before its last field
+    trailing,       ///< octets after the last field
+    path_too_long,  ///< the path size runs past the message (status 0x26)
+    bad_segment,    ///< reserved, unsupported or misplaced segment (status 0x04)
+    bad_length,     ///< a length field contradicts the others
+    bad_value,      ///< a field holds a value that the format does not have
+    too_many,       ///< more elements than the named limit
 };
 
 [[nodiscard]] constexpr std::string_view describe(DecodeError error) {

@@ -5,8 +5,7 @@
 namespace servobus::cip {
 namespace {
 
-void describe(auto& io, auto& triad)
-    requires requires { triad.originator_serial; }
+void describe(auto& io, auto& triad) requires requires { triad.originator_serial; }
 {
     io.field(triad.serial_number);
     io.field(triad.originator_vendor);

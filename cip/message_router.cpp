@@ -36,7 +36,7 @@ std::optional<std::uint16_t> class_attribute(const ClassInfo& info, std::uint32_
 
 // Services at instance 0: reading class attributes, and nothing else.
 Response call_class(const RequestView& request, const RequestPath& path, const ClassInfo& info) {
-    Response response{request.service};
+    Response response{static_cast<std::uint8_t>(request.service & 0x7F)};
     Writer writer(response.data);
     if (request.service == service::get_attributes_all && info.class_attributes_all) {
         for (const auto id : {1U, 2U, 6U, 7U}) writer.u16(*class_attribute(info, id));

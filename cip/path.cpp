@@ -9,7 +9,16 @@ namespace servobus::cip {
 namespace {
 
 // The segment class: bits 7 to 5 of the first octet (R-PTH-1).
-enum class SegmentClass : std::uint8_t { port, logical, network, symbolic, data, constructed_type, elementary_type, reserved };
+enum class SegmentClass : std::uint8_t {
+    port,
+    logical,
+    network,
+    symbolic,
+    data,
+    constructed_type,
+    elementary_type,
+    reserved
+};
 
 constexpr std::uint8_t special_key_format_4 = 0x04;
 constexpr std::uint8_t special_key_format_5 = 0x05;
@@ -63,9 +72,9 @@ Decoded<Segment> read_port(std::uint8_t first, Reader& reader) {
     const bool long_address = (first & 0x10) != 0;
     std::size_t address_size = long_address ? reader.u8() : 1;
     segment.port = first & 0x0F;
-    if (reader.ok() && segment.port == 0) return DecodeError::bad_segment;
     const bool wide_port = segment.port == extended_port;
     if (wide_port) segment.port = reader.u16();
+    if (reader.ok() && segment.port == 0) return DecodeError::bad_segment;
     const auto address = reader.take(address_size);
     segment.link_address.assign(address.begin(), address.end());
     const std::size_t used = 1 + (long_address ? 1U : 0U) + (wide_port ? 2U : 0U) + address_size;

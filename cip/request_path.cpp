@@ -74,8 +74,8 @@ std::optional<ConnectionFailure> mismatch(const ElectronicKey& key, const NodeId
     const bool compatible = (key.major_revision & 0x80) != 0;
     if (major == 0 && !compatible) return std::nullopt;  // any revision; the minor is then not looked at
     if (differs(major, node.major_revision)) return ConnectionFailure::revision_mismatch;
-    const bool minor_fits = compatible ? key.minor_revision <= node.minor_revision
-                                       : !differs(key.minor_revision, node.minor_revision);
+    const bool minor_fits =
+        compatible ? key.minor_revision <= node.minor_revision : !differs(key.minor_revision, node.minor_revision);
     if (!minor_fits) return ConnectionFailure::revision_mismatch;
     return std::nullopt;
 }

@@ -56,7 +56,8 @@ constexpr auto names = std::to_array<Name>({
 
 bool same_name(std::string_view a, std::string_view b) {
     const auto next = [](std::string_view& text) {
-        while (!text.empty() && (text.front() == '_' || text.front() == ' ' || text.front() == '-')) text.remove_prefix(1);
+        while (!text.empty() && (text.front() == '_' || text.front() == ' ' || text.front() == '-'))
+            text.remove_prefix(1);
         if (text.empty()) return 0;
         const auto c = std::tolower(static_cast<unsigned char>(text.front()));
         text.remove_prefix(1);

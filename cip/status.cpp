@@ -145,6 +145,9 @@ constexpr auto connection_texts = std::to_array<WordText>({
     {0x0814, "invalid produce or consume data format"},
 });
 
+static_assert(std::ranges::is_sorted(general_texts, {}, &ByteText::first));
+static_assert(std::ranges::is_sorted(connection_texts, {}, &WordText::first));
+
 template <class Entry, class Code>
 std::string_view find_text(std::span<const Entry> table, Code code) {
     const auto found = std::ranges::lower_bound(table, code, {}, &Entry::first);
@@ -161,7 +164,11 @@ std::string_view text(GeneralStatus code) {
 }
 
 std::string_view extended_text(GeneralStatus general, std::uint16_t word) {
-    if (general == GeneralStatus::connection_failure) return find_text(std::span<const WordText>(connection_texts), word);
+    if (general == GeneralStatus::connection_failure) {
+        const auto known = find_text(std::span<const WordText>(connection_texts), word);
+        // The rest of this range is CIP Safety's, which nothing here speaks.
+        return known.empty() && word > 0x0801 && word < 0x0810 ? "safety connection error" : known;
+    }
     if (general == GeneralStatus::vendor_specific && word == drive_refuses) {
         return "the drive does not allow this access in its present configuration";
     }

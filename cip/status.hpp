@@ -11,30 +11,30 @@ namespace servobus::cip {
 /// Each value: when a target answers it. The connection stays open after every one of them.
 enum class GeneralStatus : std::uint8_t {
     success = 0x00,
-    connection_failure = 0x01,            ///< Connection Manager only; the extended word tells
+    connection_failure = 0x01,  ///< Connection Manager only; the extended word tells
     resource_unavailable = 0x02,
-    path_segment_error = 0x04,            ///< R-ERR-2
-    path_destination_unknown = 0x05,      ///< R-ERR-3: class or instance
+    path_segment_error = 0x04,        ///< R-ERR-2
+    path_destination_unknown = 0x05,  ///< R-ERR-3: class or instance
     partial_transfer = 0x06,
-    service_not_supported = 0x08,         ///< R-ERR-4
-    invalid_attribute_value = 0x09,       ///< R-ERR-9
-    attribute_list_error = 0x0A,          ///< R-MSG-14
-    object_state_conflict = 0x0C,         ///< R-ERR-7
-    attribute_not_settable = 0x0E,        ///< R-ERR-6
-    privilege_violation = 0x0F,           ///< R-CON-36
-    device_state_conflict = 0x10,         ///< R-ERR-7
-    reply_data_too_large = 0x11,          ///< R-ENC-27
-    not_enough_data = 0x13,               ///< R-ERR-8
-    attribute_not_supported = 0x14,       ///< R-ERR-5
-    too_much_data = 0x15,                 ///< R-ERR-8
+    service_not_supported = 0x08,    ///< R-ERR-4
+    invalid_attribute_value = 0x09,  ///< R-ERR-9
+    attribute_list_error = 0x0A,     ///< R-MSG-14
+    object_state_conflict = 0x0C,    ///< R-ERR-7
+    attribute_not_settable = 0x0E,   ///< R-ERR-6
+    privilege_violation = 0x0F,      ///< R-CON-36
+    device_state_conflict = 0x10,    ///< R-ERR-7
+    reply_data_too_large = 0x11,     ///< R-ENC-27
+    not_enough_data = 0x13,          ///< R-ERR-8
+    attribute_not_supported = 0x14,  ///< R-ERR-5
+    too_much_data = 0x15,            ///< R-ERR-8
     object_does_not_exist = 0x16,
     missing_attribute_list_entry = 0x1C,  ///< R-MSG-15
     embedded_service_error = 0x1E,        ///< R-MSG-16
     vendor_specific = 0x1F,               ///< R-DEV-3
     invalid_parameter = 0x20,             ///< R-ERR-9: of a service, not of an attribute
     key_failure_in_path = 0x25,
-    path_size_invalid = 0x26,             ///< R-ERR-1
-    attribute_not_gettable = 0x2C,        ///< R-ERR-6
+    path_size_invalid = 0x26,       ///< R-ERR-1
+    attribute_not_gettable = 0x2C,  ///< R-ERR-6
 };
 
 /// Extended words of general status 0x01 that this project sends (R-CON-40); it reads all others too.

@@ -5,9 +5,7 @@
 namespace servobus::cip {
 namespace {
 
-ByteView octets(std::string_view text) {
-    return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
+ByteView octets(std::string_view text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
 
 std::string characters(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 

@@ -21,9 +21,9 @@ void write_short_string(Writer& writer, std::string_view text);
 
 /// One string of a STRINGI.
 struct InternationalString {
-    std::string language = "eng";               ///< three characters
-    DataType type = DataType::SHORT_STRING;     ///< STRING or SHORT_STRING here
-    std::uint16_t character_set = 4;            ///< 4 = ISO 8859-1
+    std::string language = "eng";            ///< three characters
+    DataType type = DataType::SHORT_STRING;  ///< STRING or SHORT_STRING here
+    std::uint16_t character_set = 4;         ///< 4 = ISO 8859-1
     std::string text;
 
     friend bool operator==(const InternationalString&, const InternationalString&) = default;

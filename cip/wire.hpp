@@ -24,7 +24,7 @@ struct Raw {
     using type = std::make_unsigned_t<T>;
 };
 template <class T>
-    requires std::is_enum_v<T>
+requires std::is_enum_v<T>
 struct Raw<T> {
     using type = std::make_unsigned_t<std::underlying_type_t<T>>;
 };

@@ -46,7 +46,8 @@ cip::Bytes RegisterSession::encode() const {
 }
 
 cip::Decoded<RegisterSession> RegisterSession::parse(cip::ByteView data) {
-    return parse_all<RegisterSession>(data, [](auto& reader, auto& message) { describe_registration(reader, message); });
+    return parse_all<RegisterSession>(data,
+                                      [](auto& reader, auto& message) { describe_registration(reader, message); });
 }
 
 cip::Bytes IdentityItem::encode() const {
@@ -81,8 +82,8 @@ cip::Decoded<ServiceItem> ServiceItem::parse(cip::ByteView data) {
     return parse_all<ServiceItem>(data, [](cip::Reader& reader, ServiceItem& item) {
         reader.field(item.version);
         reader.field(item.flags);
-        const auto name = reader.take(service_name_octets);
-        item.name.assign(name.begin(), name.end());
+        const auto padded = reader.take(service_name_octets);
+        item.name.assign(padded.begin(), padded.end());
         item.name.erase(std::min(item.name.find('\0'), item.name.size()));
     });
 }
