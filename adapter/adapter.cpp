@@ -45,13 +45,15 @@ void take_earlier(std::optional<T>& best, std::optional<T> candidate) {
 
 }  // namespace
 
-/// One TCP connection. `refused`: it came past the limit, and its first request is its last.
+/// One TCP connection. `refused`: it came past the limit, and its first request is its last. `expired`: its time is over,
+/// and the server knows.
 struct Adapter::Connection {
     ConnectionId id = 0;
     enip::Endpoint peer;
     enip::Endpoint local;
     bool refused = false;
     bool closing = false;
+    bool expired = false;
     enip::FrameDecoder decoder;
     enip::Time last_message{};
     cip::Bytes replies;
@@ -68,27 +70,32 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
       sessions_(limits.sessions, random_()),
       router_(node_identity(device.identity())) {
     network_.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
-    auto identity = std::make_unique<IdentityObject>(device.identity(), [this](ResetType type, enip::Time now) {
-        reset_ = Reset{type, now + reset_pause};
+    build_objects();
+}
+
+Adapter::~Adapter() = default;
+
+// Also after a restart: what objects remember (counters, written assemblies, a file on its way) does not outlive it.
+void Adapter::build_objects() {
+    auto identity = std::make_unique<IdentityObject>(device_.identity(), [this](ResetType type, enip::Time now) {
+        if (!reset_) reset_ = Reset{type, now + reset_pause};  // asking again does not put it off
     });
     identity_ = identity.get();
     router_.add(std::move(identity));
-    router_.add(std::make_unique<AssemblyObject>(device));
+    router_.add(std::make_unique<AssemblyObject>(device_));
     router_.add(std::make_unique<TcpIpObject>(network_));
     router_.add(std::make_unique<EthernetLinkObject>(network_));
     router_.add(std::make_unique<QosObject>(network_.qos));
     router_.add(std::make_unique<DlrObject>(network_.ring));
     router_.add(std::make_unique<FileObject>(file_));
-    auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device.identity()), limits_,
+    auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), limits_,
                                                        static_cast<std::uint16_t>(random_()), log_);
     manager_ = manager.get();
     router_.add(std::move(manager));
     std::set<std::uint16_t> classes;
-    for (const auto& row : device.store().table()) classes.insert(row.cip.class_id);
-    for (const auto id : classes) router_.add(std::make_unique<ParameterObject>(device, id));
+    for (const auto& row : device_.store().table()) classes.insert(row.cip.class_id);
+    for (const auto id : classes) router_.add(std::make_unique<ParameterObject>(device_, id));
 }
-
-Adapter::~Adapter() = default;
 
 std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
     const auto refused = static_cast<std::size_t>(
@@ -129,12 +136,13 @@ std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time
 void Adapter::on_message(Connection& connection, const enip::FrameDecoder::Result& message, enip::Time now) {
     connection.last_message = now;
     const auto& request = message.frame;
+    const bool answerable = request.command != Command::nop && request.status == EncapsulationStatus::success;
     if (connection.refused) {
-        request.reply(EncapsulationStatus::insufficient_memory).write(connection.replies);
+        if (answerable) request.reply(EncapsulationStatus::insufficient_memory).write(connection.replies);
         connection.closing = true;
         return;
     }
-    if (request.command == Command::nop || request.status != EncapsulationStatus::success) return;
+    if (!answerable) return;  // R-ENC-8, R-ENC-10
     if (message.oversize) {
         log_(LogLevel::warning,
              fmt::format("{} sent a {} that is longer than {} octets", enip::to_string(connection.peer),
@@ -297,8 +305,9 @@ std::vector<enip::Datagram> Adapter::take_datagrams() { return std::exchange(dat
 
 std::vector<Adapter::ConnectionId> Adapter::take_expired() { return std::exchange(expired_, {}); }
 
+// One that is closing has a deadline too: its peer may never take the last replies.
 std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) const {
-    if (connection.closing) return std::nullopt;
+    if (connection.expired) return std::nullopt;
     if (connection.refused) return connection.last_message + limits_.refusal_patience;
     if (network_.inactivity_seconds == 0) return std::nullopt;
     return connection.last_message + std::chrono::seconds(network_.inactivity_seconds);
@@ -320,6 +329,7 @@ void Adapter::on_timer(enip::Time now) {
                                              network_.inactivity_seconds));
         }
         connection->closing = true;
+        connection->expired = true;
         expired_.push_back(id);
     }
 }
@@ -347,6 +357,7 @@ void Adapter::reset(enip::Time now) {
         defaults.last_conflict = network_.last_conflict;
         network_ = defaults;
     }
+    build_objects();
     if (restart_) {
         restart_(type);
     } else {
@@ -357,6 +368,7 @@ void Adapter::reset(enip::Time now) {
 void Adapter::shut_down() {
     for (auto& [id, connection] : connections_) {
         connection->closing = true;
+        connection->expired = true;
         expired_.push_back(id);
     }
 }

@@ -79,6 +79,7 @@ private:
         enip::Datagram datagram;
     };
 
+    void build_objects();
     void on_message(Connection& connection, const enip::FrameDecoder::Result& message, enip::Time now);
     [[nodiscard]] std::optional<enip::Frame> answer(Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] enip::Frame register_session(const Connection& connection, const enip::Frame& request);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <functional>
@@ -24,6 +25,8 @@ constexpr std::size_t max_file_bytes = std::size_t{1} << 20;  // of a configurat
 constexpr std::size_t max_product_name = 32;                  // R-ID-1
 // Enough for every descriptor that a process usually may open, and less than would exhaust memory.
 constexpr std::size_t max_limit = 100'000;
+// The lower half of a connection id is a number of 16 bits (R-CON-16).
+constexpr std::size_t max_class3_connections = 65'535;
 
 constexpr std::array<std::pair<std::string_view, LogLevel>, 5> levels{{
     {"trace", LogLevel::trace},
@@ -131,6 +134,9 @@ std::variant<drive::Value, Reason> parameter_value(const drive::Parameter& row, 
         auto result = drive::parse(row, value.get_ref<const std::string&>());
         if (const auto* error = std::get_if<drive::ParseError>(&result)) return error->reason;
         parsed = std::get<drive::Value>(std::move(result));
+    } else if (value.is_number_unsigned() && !row.is_text()) {
+        constexpr std::uint64_t highest = std::numeric_limits<std::int64_t>::max();
+        parsed = static_cast<std::int64_t>(std::min(value.get<std::uint64_t>(), highest));
     } else if (value.is_number_integer() && !row.is_text()) {
         parsed = value.get<std::int64_t>();
     } else {
@@ -157,6 +163,9 @@ Reason add_value(Config& config, const std::string& name, const json& value) {
     }
     auto parsed = parameter_value(*rows.front(), value);
     if (auto* reason = std::get_if<Reason>(&parsed)) return *reason;
+    if (std::ranges::count(config.values, rows.front()->key(), &std::pair<drive::Key, drive::Value>::first) > 0) {
+        return "has a value already, under another name";
+    }
     config.values.emplace_back(rows.front()->key(), std::get<drive::Value>(std::move(parsed)));
     return {};
 }
@@ -204,7 +213,7 @@ Setters limit_setters(Config& config, std::uint64_t& inactivity_seconds) {
     return {
         {"tcp_connections", whole_number(config.limits.tcp_connections, 1, max_limit)},
         {"sessions", whole_number(config.limits.sessions, 1, max_limit)},
-        {"class3_connections", whole_number(config.limits.class3_connections, 0, max_limit)},
+        {"class3_connections", whole_number(config.limits.class3_connections, 0, max_class3_connections)},
         {"inactivity_seconds", whole_number(inactivity_seconds, 0, 3600)},  // R-ENC-24
     };
 }

@@ -327,6 +327,7 @@ cip::Response ConnectionManager::unconnected_send(const cip::RequestView& reques
 std::optional<enip::SendData> ConnectionManager::on_connected(const enip::ConnectedMessage& message,
                                                               std::uint64_t session, std::uint32_t address,
                                                               cip::Time now) {
+    on_timer(now);  // a request does not revive a connection whose time is over
     const auto found = connections_.find(message.connection_id);
     if (found == connections_.end() || found->second.session != session) return std::nullopt;  // R-ENC-23
     auto& connection = found->second;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <vector>
@@ -14,8 +15,10 @@ using nlohmann::json;
 // How far the parser has read. The library copies its iterators, so they share this through a pointer.
 struct Cursor {
     Position next;
+    std::size_t octets = 0;
 
     void pass(char c) {
+        ++octets;
         if (c == '\n') {
             ++next.line;
             next.column = 1;
@@ -51,39 +54,62 @@ private:
     Cursor* cursor_;
 };
 
-// Follows the parser through objects and arrays, and notes where each key begins.
+// Deeper than any setting stands.
+constexpr std::size_t max_depth = 8;
+
+// Follows the parser through objects, and notes where each key begins. Objects inside arrays have no settings.
 class Positions {
 public:
     explicit Positions(const Cursor& cursor) : cursor_(cursor) {}
 
+    // False: the library drops the value, as it may all values behind an error.
     bool on_event(int depth, json::parse_event_t event, const json& parsed) {
-        if (event != json::parse_event_t::key) return true;
+        if (error) return false;
+        using Event = json::parse_event_t;
+        const bool opens = event == Event::object_start || event == Event::array_start;
+        if (opens && static_cast<std::size_t>(depth) >= max_depth) {
+            error = JsonError{back(1), "objects and arrays stand too deep in each other here"};
+            return false;
+        }
+        if (event == Event::array_start) ++arrays_;
+        if (event == Event::array_end) --arrays_;
+        if (event == Event::key && arrays_ == 0) on_key(depth, parsed);
+        return true;
+    }
+
+    std::map<std::string, Position> found;
+    std::optional<JsonError> error;
+
+private:
+    void on_key(int depth, const json& parsed) {
         const auto level = static_cast<std::size_t>(depth);
         path_.resize(level);
         path_.back() = parsed.get<std::string>();
         json::json_pointer pointer;
         for (const auto& part : path_) pointer /= part;
-        auto position = cursor_.next;  // just behind the closing quote
-        const auto width = parsed.get_ref<const std::string&>().size() + 2;
-        position.column -= std::min(position.column - 1, width);
-        if (!found.emplace(pointer.to_string(), position).second && !repeated) {
-            repeated = JsonError{position, fmt::format("'{}' stands here a second time", parsed.get<std::string>())};
+        const auto position = back(parsed.get_ref<const std::string&>().size() + 2);
+        if (!found.emplace(pointer.to_string(), position).second) {
+            error = JsonError{position, fmt::format("'{}' stands here a second time", parsed.get<std::string>())};
         }
-        return true;
     }
 
-    std::map<std::string, Position> found;
-    std::optional<JsonError> repeated;
+    // Where the token begins that the parser has just read.
+    [[nodiscard]] Position back(std::size_t width) const {
+        auto position = cursor_.next;
+        position.column -= std::min(position.column - 1, width);
+        return position;
+    }
 
-private:
     const Cursor& cursor_;
     std::vector<std::string> path_;
+    std::size_t arrays_ = 0;
 };
 
-// The library's text begins with its own tags and position; what follows is for people.
+// The library's text begins with its own tag in brackets, and perhaps the position; what follows is for people.
 std::string plain_reason(const std::string& what) {
-    const auto colon = what.find(": ");
-    return colon == std::string::npos ? what : what.substr(colon + 2);
+    auto reason = what.substr(std::min(what.find("] ") + 2, what.size()));
+    const auto colon = reason.find(": ");
+    return reason.starts_with("parse error") && colon != std::string::npos ? reason.substr(colon + 2) : reason;
 }
 
 // The position of an octet, for errors that name one.
@@ -104,10 +130,13 @@ std::variant<JsonDocument, JsonError> parse_json(const std::string& text) {
                                 [&](int depth, json::parse_event_t event, json& parsed) {
                                     return positions.on_event(depth, event, parsed);
                                 });
-        if (positions.repeated) return *positions.repeated;
+        if (positions.error) return *positions.error;
         return JsonDocument{std::move(root), std::move(positions.found)};
     } catch (const json::parse_error& error) {
         return JsonError{position_of(text, error.byte), plain_reason(error.what())};
+    } catch (const json::out_of_range& error) {
+        // A number that no type holds; the parser knows its end once it has read one octet more.
+        return JsonError{position_of(text, cursor.octets - 1), plain_reason(error.what())};
     }
 }
 

@@ -150,6 +150,7 @@ int serve(const Config& config) {
     if (const auto error = server.listen(config.bind, config.port)) return fail(cannot_listen, error->reason);
     adapter.network().interface.address = server.local().address;
     adapter.network().interface.mask = server.subnet_mask();
+    server.catch_signals();  // before anybody is told that it listens
     const auto& identity = device.identity();
     fmt::print(
         "{} (vendor {}, device type {}, product code 0x{:04X}, revision {}.{}, serial number 0x{:08X}) "
@@ -157,7 +158,7 @@ int serve(const Config& config) {
         identity.product_name, identity.vendor, identity.device_type, identity.product_code, identity.major_revision,
         identity.minor_revision, identity.serial_number, servobus::enip::to_string(server.local()));
     std::fflush(stdout);
-    server.run(true, [&] {
+    server.run([&] {
         logger->info("stopping: {} sessions are closed", adapter.sessions());
         adapter.shut_down();
     });

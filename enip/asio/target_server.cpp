@@ -5,7 +5,6 @@
 #include <array>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/bind_cancellation_slot.hpp>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -41,6 +40,8 @@ constexpr std::size_t farewell_octets = std::size_t{64} * 1024;
 constexpr auto farewell_time = 500ms;
 /// After accept() failed for want of a resource.
 constexpr auto accept_pause = 100ms;
+/// Port 0 is one that TCP has free; when UDP has not, another one is tried.
+constexpr int port_tries = 16;
 
 Endpoint to_endpoint(const tcp::endpoint& native) {
     if (!native.address().is_v4()) return {};
@@ -66,7 +67,8 @@ public:
     std::optional<ListenError> listen(const std::string& address, std::uint16_t port);
     [[nodiscard]] Endpoint local() const { return local_; }
     [[nodiscard]] std::uint32_t subnet_mask() const { return interface_ ? interface_->mask : 0; }
-    void run(bool signals, const std::function<void()>& stopping);
+    void catch_signals();
+    void run(const std::function<void()>& stopping);
     void stop() {
         net::post(context_, [this] { shut_down(); });
     }
@@ -80,7 +82,7 @@ private:
     net::awaitable<void> accept();
     net::awaitable<void> serve(tcp::socket socket);
     net::awaitable<void> exchange(tcp::socket& socket, Target::ConnectionId id);
-    static net::awaitable<void> farewell(tcp::socket& socket);
+    net::awaitable<void> farewell(tcp::socket& socket, Target::ConnectionId id);
     net::awaitable<void> datagrams(DatagramSocket& socket);
     net::awaitable<void> timer();
     net::awaitable<void> wait_for_signal();
@@ -88,6 +90,7 @@ private:
     void after_event();
     void flush_datagrams();
     void close_expired();
+    void cut(Target::ConnectionId id);
     void shut_down();
 
     Target& target_;
@@ -123,13 +126,19 @@ std::optional<ListenError> TargetServer::Impl::listen(const std::string& address
         return ListenError{
             fmt::format("cannot listen at {} {}:{}: {}{}", protocol, address, at, error.message(), hint)};
     };
-    acceptor_.open(tcp::v4(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(tcp::acceptor::max_listen_connections, error);
-    if (error) return fail("TCP", port);
-    local_ = to_endpoint(acceptor_.local_endpoint());
-    error = unicast_.open(local_, false);
+    for (int tries = port == 0 ? port_tries : 1; tries > 0; --tries) {
+        acceptor_.open(tcp::v4(), error);
+        if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+        if (!error) acceptor_.bind(endpoint, error);
+        if (!error) acceptor_.listen(tcp::acceptor::max_listen_connections, error);
+        if (error) return fail("TCP", port);
+        local_ = to_endpoint(acceptor_.local_endpoint());
+        error = unicast_.open(local_, false);
+        if (!error) break;
+        unicast_.close();
+        error_code ignored;
+        acceptor_.close(ignored);
+    }
     if (error) return fail("UDP", local_.port);
     interface_ = interface_of(local_.address);
     if (interface_) {
@@ -148,25 +157,29 @@ void TargetServer::Impl::open_broadcast(DatagramSocket& socket, std::uint32_t ad
     }
 }
 
-void TargetServer::Impl::run(bool signals, const std::function<void()>& stopping) {
+void TargetServer::Impl::catch_signals() {
+    error_code error;
+    signals_.add(SIGINT, error);
+    if (!error) signals_.add(SIGTERM, error);
+    if (error) {
+        report(fmt::format("signals are not caught: {}", error.message()));
+        return;
+    }
+    net::co_spawn(context_, wait_for_signal(), net::detached);
+}
+
+void TargetServer::Impl::run(const std::function<void()>& stopping) {
     stopping_ = stopping;
     net::co_spawn(context_, accept(), net::detached);
     net::co_spawn(context_, datagrams(unicast_), net::detached);
     if (directed_.socket().is_open()) net::co_spawn(context_, datagrams(directed_), net::detached);
     if (limited_.socket().is_open()) net::co_spawn(context_, datagrams(limited_), net::detached);
     net::co_spawn(context_, timer(), net::detached);
-    if (signals) net::co_spawn(context_, wait_for_signal(), net::detached);
     context_.run();
 }
 
 net::awaitable<void> TargetServer::Impl::wait_for_signal() {
-    error_code error;
-    signals_.add(SIGINT, error);
-    if (!error) signals_.add(SIGTERM, error);
-    if (error) {
-        report(fmt::format("signals are not caught: {}", error.message()));
-        co_return;
-    }
+    if (stopped_) co_return;
     const auto [failed, number] = co_await signals_.async_wait(awaited);
     if (!failed) shut_down();
 }
@@ -215,7 +228,7 @@ net::awaitable<void> TargetServer::Impl::exchange(tcp::socket& socket, Target::C
                 if (failed) co_return;
             }
             if (target_.wants_close(id)) {
-                if (!stopped_) co_await farewell(socket);
+                if (!stopped_) co_await farewell(socket, id);
                 co_return;
             }
         }
@@ -224,13 +237,13 @@ net::awaitable<void> TargetServer::Impl::exchange(tcp::socket& socket, Target::C
 }
 
 // Closing with octets unread would reset the connection and could take the last reply with it.
-net::awaitable<void> TargetServer::Impl::farewell(tcp::socket& socket) {
+net::awaitable<void> TargetServer::Impl::farewell(tcp::socket& socket, Target::ConnectionId id) {
     error_code error;
     socket.shutdown(tcp::socket::shutdown_send, error);
-    net::steady_timer limit(socket.get_executor(), farewell_time);
-    limit.async_wait([&socket](error_code cancelled) {
-        error_code ignored;
-        if (!cancelled) socket.cancel(ignored);
+    net::steady_timer limit(context_, farewell_time);
+    // By its id, because the socket may be gone when the timer has fired already and could not be cancelled any more.
+    limit.async_wait([this, id](error_code cancelled) {
+        if (!cancelled) cut(id);
     });
     std::array<std::uint8_t, 4096> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     for (std::size_t total = 0; total < farewell_octets;) {
@@ -291,13 +304,16 @@ void TargetServer::Impl::flush_datagrams() {
 }
 
 void TargetServer::Impl::close_expired() {
-    for (const auto id : target_.take_expired()) {
-        const auto found = sockets_.find(id);
-        if (found == sockets_.end()) continue;
-        error_code ignored;
-        found->second->shutdown(tcp::socket::shutdown_both, ignored);
-        found->second->cancel(ignored);
-    }
+    for (const auto id : target_.take_expired()) cut(id);
+}
+
+// Whatever its coroutine waits for ends, and so does everything that it would wait for later.
+void TargetServer::Impl::cut(Target::ConnectionId id) {
+    const auto found = sockets_.find(id);
+    if (found == sockets_.end()) return;
+    error_code ignored;
+    found->second->shutdown(tcp::socket::shutdown_both, ignored);
+    found->second->cancel(ignored);
 }
 
 void TargetServer::Impl::shut_down() {
@@ -328,7 +344,9 @@ Endpoint TargetServer::local() const { return impl_->local(); }
 
 std::uint32_t TargetServer::subnet_mask() const { return impl_->subnet_mask(); }
 
-void TargetServer::run(bool signals, const std::function<void()>& stopping) { impl_->run(signals, stopping); }
+void TargetServer::catch_signals() { impl_->catch_signals(); }
+
+void TargetServer::run(const std::function<void()>& stopping) { impl_->run(stopping); }
 
 void TargetServer::stop() { impl_->stop(); }
 

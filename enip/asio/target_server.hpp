@@ -32,9 +32,10 @@ public:
     /// The mask of the subnet that local() is in; 0 when it listens at all addresses.
     [[nodiscard]] std::uint32_t subnet_mask() const;
 
-    /// Serves until stop(), or until SIGINT or SIGTERM when `signals`. Before returning it calls `stopping`, closes
-    /// every connection and frees the sockets.
-    void run(bool signals, const std::function<void()>& stopping = {});
+    /// From now on SIGINT and SIGTERM do what stop() does; one that comes before run() ends it at once.
+    void catch_signals();
+    /// Serves until stop(). Before returning it calls `stopping`, closes every connection and frees the sockets.
+    void run(const std::function<void()>& stopping = {});
     /// Ends run(); from any thread.
     void stop();
 

@@ -1,0 +1,272 @@
+// The configuration file: what is taken, and what is refused with line and column.
+#include "adapter/config.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "drive/xenax.hpp"
+
+namespace servobus::adapter {
+namespace {
+
+/// `line:column: reason`, or "accepted".
+std::string problem(const std::string& text) {
+    const auto parsed = parse_config(text);
+    const auto* error = std::get_if<ConfigError>(&parsed);
+    if (error == nullptr) return "accepted";
+    return std::to_string(error->line) + ':' + std::to_string(error->column) + ": " + error->reason;
+}
+
+Config config(const std::string& text) {
+    const auto parsed = parse_config(text);
+    const auto* result = std::get_if<Config>(&parsed);
+    EXPECT_NE(result, nullptr) << problem(text);
+    return result != nullptr ? *result : Config{};
+}
+
+TEST(Config, AnEmptyObjectIsTheDefault) {
+    const auto result = config("{}");
+    EXPECT_EQ(result.variant, "75v8s");
+    EXPECT_EQ(result.bind, "127.0.0.1");
+    EXPECT_EQ(result.port, 44818);
+    EXPECT_EQ(result.log_level, LogLevel::info);
+    EXPECT_EQ(result.motor, drive::Motor::any);
+    EXPECT_EQ(result.limits.tcp_connections, Limits{}.tcp_connections);
+    EXPECT_EQ(result.limits.inactivity, std::chrono::seconds(120));
+    EXPECT_TRUE(result.values.empty());
+}
+
+TEST(Config, TakesEverySetting) {
+    const auto result = config(R"({
+        "variant": "48v8", "bind": "0.0.0.0", "port": 0, "log_level": "debug", "motor": "linear", "eds": "drive.eds",
+        "identity": {"serial_number": 4294967295, "major_revision": 127, "minor_revision": 255, "product_name": "Press 7"},
+        "limits": {"tcp_connections": 1, "sessions": 2, "class3_connections": 0, "inactivity_seconds": 3600},
+        "values": {"SCurve": 50, "drive.Controlword": "0x1F", "ServoIdentificationString": "axis 1"}
+    })");
+    EXPECT_EQ(result.variant, "48v8");
+    EXPECT_EQ(result.bind, "0.0.0.0");
+    EXPECT_EQ(result.port, 0);
+    EXPECT_EQ(result.log_level, LogLevel::debug);
+    EXPECT_EQ(result.motor, drive::Motor::linear);
+    EXPECT_EQ(result.eds, "drive.eds");
+    EXPECT_EQ(result.serial_number, 4294967295U);
+    EXPECT_EQ(result.major_revision, 127);
+    EXPECT_EQ(result.minor_revision, 255);
+    EXPECT_EQ(result.product_name, "Press 7");
+    EXPECT_EQ(result.limits.tcp_connections, 1U);
+    EXPECT_EQ(result.limits.sessions, 2U);
+    EXPECT_EQ(result.limits.class3_connections, 0U);
+    EXPECT_EQ(result.limits.inactivity, std::chrono::seconds(3600));
+    EXPECT_EQ(result.values.size(), 3U);
+}
+
+TEST(Config, TheDeviceIsAsConfigured) {
+    const auto device = make_device(config(R"({
+        "variant": "75v8", "motor": "linear",
+        "identity": {"serial_number": 7, "major_revision": 2, "minor_revision": 3, "product_name": "Press 7"},
+        "values": {"SCurve": 50, "TellTemperature": 41}
+    })"));
+    EXPECT_EQ(device.identity().product_code, 0x7508);
+    EXPECT_EQ(device.identity().serial_number, 7U);
+    EXPECT_EQ(device.identity().major_revision, 2);
+    EXPECT_EQ(device.identity().minor_revision, 3);
+    EXPECT_EQ(device.identity().product_name, "Press 7");
+    EXPECT_EQ(device.motor(), drive::Motor::linear);
+    EXPECT_EQ(device.store().value(*device.find({0x64, 0x00})), drive::Value{std::int64_t{50}});
+    EXPECT_EQ(device.store().value(*device.find({0x65, 0x05})), drive::Value{std::int64_t{41}}) << "read only rows too";
+    EXPECT_EQ(device.store().value(*device.find({0x64, 0x08})), drive::Value{std::string("230101")});
+}
+
+TEST(Config, WithoutSettingsTheDeviceIsThePrintedOne) {
+    const auto device = make_device(config("{}"));
+    EXPECT_EQ(device.identity().product_name, "XENAX Xvi 75V8S");
+    EXPECT_EQ(device.identity().serial_number, 0x00A1B2C3U);
+    EXPECT_EQ(device.store().value(*device.find({0x64, 0x00})), drive::Value{std::int64_t{20}});
+}
+
+struct Wrong {
+    const char* text;
+    const char* problem;  ///< exact, or up to an ellipsis
+};
+void PrintTo(const Wrong& each, std::ostream* out) { *out << each.text; }
+
+class WrongConfig : public testing::TestWithParam<Wrong> {};
+TEST_P(WrongConfig, IsRefusedWithItsPlace) {
+    const std::string expected = GetParam().problem;
+    const auto ellipsis = expected.find("...");
+    EXPECT_EQ(problem(GetParam().text).substr(0, ellipsis), expected.substr(0, ellipsis));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Malformed, WrongConfig,
+    testing::Values(Wrong{"", "1:1: ..."}, Wrong{"{", "1:2: ..."}, Wrong{"{\"port\": 1,}", "1:12: ..."},
+                    Wrong{"{\n  \"port\": 1\n  \"bind\": \"x\"\n}", "3:8: ..."}, Wrong{"{\"port\" 1}", "1:9: ..."},
+                    Wrong{"{} {}", "1:4: ..."}, Wrong{"{'port': 1}", "1:2: ..."}, Wrong{"{\"port\": 01}", "1:11: ..."},
+                    Wrong{"{\"port\": 1e999}", "1:14: ..."}, Wrong{"{\"bind\": \"\xff\"}", "1:11: ..."},
+                    Wrong{"[]", "1:1: the file must hold one object in braces"},
+                    Wrong{"3", "1:1: the file must hold one object in braces"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Keys, WrongConfig,
+    testing::Values(Wrong{"{\n  \"prot\": 1}",
+                          "2:3: 'prot' is not a setting; here may stand: bind, eds, identity, limits, "
+                          "log_level, motor, port, values, variant"},
+                    Wrong{"{\"identity\": {\"serial\": 1}}",
+                          "1:15: 'serial' is not a setting; here may stand: "
+                          "major_revision, minor_revision, product_name, serial_number"},
+                    Wrong{"{\"limits\": {\n\n   \"refusals\": 1}}",
+                          "3:4: 'refusals' is not a setting; here may stand: "
+                          "class3_connections, inactivity_seconds, sessions, "
+                          "tcp_connections"},
+                    Wrong{"{\"port\": 1,\n \"port\": 1}", "2:2: 'port' stands here a second time"},
+                    Wrong{"{\"values\": {\"SCurve\": 1, \"SCurve\": 2}}", "1:26: 'SCurve' stands here a second time"},
+                    Wrong{"{\"values\": {\"SCurve\": 1, \"general.SCurve\": 2}}",
+                          "1:26: 'general.SCurve' has a value already, under another name"},
+                    Wrong{"{\"\": 1}", "1:2: '' is not a setting; ..."},
+                    Wrong{"{\"a/b~c\": 1}", "1:2: 'a/b~c' is not a setting; ..."}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, WrongConfig,
+    testing::Values(
+        Wrong{"{\"port\": \"1\"}", "1:2: 'port' must be a whole number from 0 to 65535"},
+        Wrong{"{\"port\": 65536}", "1:2: 'port' must be a whole number from 0 to 65535"},
+        Wrong{"{\"port\": -1}", "1:2: 'port' must be a whole number from 0 to 65535"},
+        Wrong{"{\"port\": 1.5}", "1:2: 'port' must be a whole number from 0 to 65535"},
+        Wrong{"{\"port\": 1.0}", "1:2: 'port' must be a whole number from 0 to 65535"},
+        Wrong{"{\"port\": null}", "1:2: 'port' must be a whole number from 0 to 65535"},
+        Wrong{"{\"bind\": 5}", "1:2: 'bind' must be a text"}, Wrong{"{\"bind\": \"\"}", "1:2: 'bind' must be a text"},
+        Wrong{"{\"eds\": 5}", "1:2: 'eds' must be a text"},
+        Wrong{"{\"variant\": \"75V8S\"}", "1:2: 'variant' must be one of \"75v8s\", \"75v8\", \"48v8\""},
+        Wrong{"{\"log_level\": \"loud\"}",
+              "1:2: 'log_level' must be one of \"trace\", \"debug\", \"info\", \"warning\", \"error\""},
+        Wrong{"{\"motor\": 1}", "1:2: 'motor' must be one of \"any\", \"linear\", \"rotative\""},
+        Wrong{"{\"identity\": []}", "1:2: 'identity' must be an object in braces"},
+        Wrong{"{\"limits\": 1}", "1:2: 'limits' must be an object in braces"},
+        Wrong{"{\"values\": [{\"SCurve\": 1}, {\"SCurve\": 2}]}", "1:2: 'values' must be an object in braces"},
+        Wrong{"{\"identity\": {\"serial_number\": 0}}",
+              "1:15: 'serial_number' must be a whole number from 1 to 4294967295"},
+        Wrong{"{\"identity\": {\"serial_number\": 4294967296}}",
+              "1:15: 'serial_number' must be a whole number from 1 to 4294967295"},
+        Wrong{"{\"identity\": {\"major_revision\": 0}}", "1:15: 'major_revision' must be a whole number from 1 to 127"},
+        Wrong{"{\"identity\": {\"major_revision\": 128}}",
+              "1:15: 'major_revision' must be a whole number from 1 to 127"},
+        Wrong{"{\"identity\": {\"minor_revision\": 0}}", "1:15: 'minor_revision' must be a whole number from 1 to 255"},
+        Wrong{"{\"identity\": {\"minor_revision\": 256}}",
+              "1:15: 'minor_revision' must be a whole number from 1 to 255"},
+        Wrong{"{\"identity\": {\"product_name\": \"\"}}", "1:15: 'product_name' must be a text of 1 to 32 characters"},
+        Wrong{"{\"identity\": {\"product_name\": \"123456789012345678901234567890123\"}}",
+              "1:15: 'product_name' must be a text of 1 to 32 characters"},
+        Wrong{"{\"limits\": {\"tcp_connections\": 0}}",
+              "1:13: 'tcp_connections' must be a whole number from 1 to 100000"},
+        Wrong{"{\"limits\": {\"tcp_connections\": 100001}}",
+              "1:13: 'tcp_connections' must be a whole number from 1 to 100000"},
+        Wrong{"{\"limits\": {\"sessions\": 0}}", "1:13: 'sessions' must be a whole number from 1 to 100000"},
+        Wrong{"{\"limits\": {\"class3_connections\": 65536}}",
+              "1:13: 'class3_connections' must be a whole number from 0 to 65535"},
+        Wrong{"{\"limits\": {\"inactivity_seconds\": 3601}}",
+              "1:13: 'inactivity_seconds' must be a whole number from 0 to 3600"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Parameters, WrongConfig,
+    testing::Values(
+        Wrong{"{\"values\": {\"SCurv\": 1}}", "1:13: 'SCurv' is no parameter; did you mean 'SCurve'?"},
+        Wrong{"{\"values\": {\n    \"SCurve\": 101}}",
+              "2:5: 'SCurve' the value is above the upper limit: it holds 1 to 100"},
+        Wrong{"{\"values\": {\"SCurve\": 0}}", "1:13: 'SCurve' the value is below the lower limit: it holds 1 to 100"},
+        Wrong{"{\"values\": {\"SCurve\": 1.5}}", "1:13: 'SCurve' must be a whole number, or a text such as \"0x1F\""},
+        Wrong{"{\"values\": {\"SCurve\": true}}", "1:13: 'SCurve' must be a whole number, or a text such as \"0x1F\""},
+        Wrong{"{\"values\": {\"SCurve\": \"much\"}}", "1:13: 'SCurve' ..."},
+        Wrong{"{\"values\": {\"IForceActual\": 18446744073709551615}}",
+              "1:13: 'IForceActual' the value is above the upper limit..."},
+        Wrong{"{\"values\": {\"ServoIdentificationString\": 5}}", "1:13: 'ServoIdentificationString' must be a text"},
+        Wrong{"{\"values\": {\"ServoIdentificationString\": \"123456789012345678901234567890123\"}}",
+              "1:13: 'ServoIdentificationString' holds at most 32 characters"},
+        Wrong{"{\"values\": {\"ReferenceMethods\": 7}}",
+              "1:13: 'ReferenceMethods' the value is inside the limits, but not one of the values that exist..."},
+        Wrong{"{\"values\": {\"Reserved\": 1}}", "1:13: 'Reserved' is no parameter; ..."}));
+
+TEST(Config, ValuesAtTheirLimitsAreTaken) {
+    EXPECT_EQ(problem(R"({"port": 65535, "limits": {"tcp_connections": 100000, "class3_connections": 65535}})"),
+              "accepted");
+    EXPECT_EQ(problem(R"({"identity": {"product_name": "12345678901234567890123456789012"}})"), "accepted");
+    EXPECT_EQ(problem(R"({"values": {"SCurve": 1}})"), "accepted");
+    EXPECT_EQ(problem(R"({"values": {"SCurve": 100}})"), "accepted");
+    EXPECT_EQ(problem("\xEF\xBB\xBF{\"port\": 1}"), "accepted") << "a byte order mark";
+}
+
+TEST(Config, DeepNestingIsRefusedInBoundedTime) {
+    std::string text = "{\"values\": ";
+    for (int i = 0; i < 100'000; ++i) text += "{\"a\":";
+    text += "1";
+    text.append(100'001, '}');
+    EXPECT_EQ(problem(text), "1:47: objects and arrays stand too deep in each other here");
+    EXPECT_NE(problem(std::string(100'000, '[')), "accepted");
+    EXPECT_EQ(problem(R"({"values": {"SCurve": {"a": {"b": [[1]]}}}})").substr(0, 5), "1:13:");
+}
+
+TEST(Config, TheWordsOfLogLevels) {
+    EXPECT_EQ(log_level("trace"), LogLevel::trace);
+    EXPECT_EQ(log_level("error"), LogLevel::error);
+    EXPECT_EQ(log_level("Error"), std::nullopt);
+    EXPECT_EQ(log_level(""), std::nullopt);
+}
+
+TEST(Config, ErrorsNameTheFile) {
+    EXPECT_EQ(describe("drive.json", {3, 15, "'port' is wrong"}), "drive.json:3:15: 'port' is wrong");
+    EXPECT_EQ(describe("drive.json", {0, 0, "cannot be read"}), "drive.json: cannot be read");
+}
+
+class ConfigFile : public testing::Test {
+protected:
+    void SetUp() override { std::filesystem::create_directories(directory_); }
+    void TearDown() override { std::filesystem::remove_all(directory_); }
+
+    std::filesystem::path file(const std::string& content) const {
+        const auto path = directory_ / "drive.json";
+        std::ofstream(path, std::ios::binary) << content;
+        return path;
+    }
+    static std::string reason(const std::filesystem::path& path) {
+        const auto loaded = load_config(path);
+        const auto* error = std::get_if<ConfigError>(&loaded);
+        if (error == nullptr) return "accepted";
+        EXPECT_EQ(error->line, 0U);
+        return error->reason;
+    }
+
+    const std::filesystem::path directory_ =
+        std::filesystem::path(testing::TempDir()) /
+        ("servobus_config_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+TEST_F(ConfigFile, IsLoaded) {
+    const auto loaded = load_config(file(R"({"port": 5})"));
+    ASSERT_TRUE(std::holds_alternative<Config>(loaded));
+    EXPECT_EQ(std::get<Config>(loaded).port, 5);
+}
+
+TEST_F(ConfigFile, ThatIsMissing) { EXPECT_EQ(reason(directory_ / "none.json"), "cannot be read"); }
+
+TEST_F(ConfigFile, ThatIsADirectory) { EXPECT_EQ(reason(directory_), "is a directory, not a file"); }
+
+TEST_F(ConfigFile, ThatIsTooLarge) {
+    constexpr std::size_t limit = std::size_t{1} << 20;
+    EXPECT_EQ(reason(file("{}" + std::string(limit - 2, ' '))), "accepted");
+    EXPECT_EQ(reason(file("{}" + std::string(limit - 1, ' '))), "is larger than 1048576 octets");
+}
+
+TEST_F(ConfigFile, TheEdsIsReadWhole) {
+    Config config;
+    config.eds = file("$ an EDS\r\n").string();
+    const auto loaded = load_eds(config);
+    ASSERT_TRUE(std::holds_alternative<DeviceFile>(loaded));
+    EXPECT_EQ(std::get<DeviceFile>(loaded).name, "drive.json");
+    EXPECT_EQ(std::get<DeviceFile>(loaded).content.size(), 10U);
+    config.eds = (directory_ / "none.eds").string();
+    EXPECT_TRUE(std::holds_alternative<ConfigError>(load_eds(config)));
+}
+
+}  // namespace
+}  // namespace servobus::adapter

@@ -1,0 +1,280 @@
+// servobus-adapter as a person starts it: what it says, what it exits with, and how it stops.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+#include <utility>
+
+#include "tests/adapter/tcp_client.hpp"
+#include "tests/support/octets.hpp"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration)
+
+namespace servobus::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+using testing::StartsWith;
+
+/// One run of the program. It is killed and reaped with this object, if it has not ended before.
+class Program {
+public:
+    explicit Program(std::vector<std::string> arguments) {
+        std::array<int, 2> out{};
+        std::array<int, 2> err{};
+        if (::pipe2(out.data(), O_CLOEXEC) != 0 || ::pipe2(err.data(), O_CLOEXEC) != 0) return;
+        posix_spawn_file_actions_t actions{};
+        ::posix_spawn_file_actions_init(&actions);
+        ::posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+        ::posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
+        arguments.insert(arguments.begin(), SERVOBUS_BIN_DIR "/servobus-adapter");
+        std::vector<char*> words;
+        for (auto& word : arguments) words.push_back(word.data());
+        words.push_back(nullptr);
+        if (::posix_spawn(&id_, words[0], &actions, nullptr, words.data(), environ) != 0) id_ = -1;
+        ::posix_spawn_file_actions_destroy(&actions);
+        ::close(out[1]);
+        ::close(err[1]);
+        out_ = out[0];
+        err_ = err[0];
+    }
+    ~Program() {
+        if (id_ > 0) {
+            ::kill(id_, SIGKILL);
+            ::waitpid(id_, nullptr, 0);
+        }
+        ::close(out_);
+        ::close(err_);
+    }
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+
+    /// The first line on stdout, empty when none comes in time.
+    std::string first_line() const {
+        std::string line;
+        const auto end = Clock::now() + patience;
+        for (char c = 0; Clock::now() < end;) {
+            pollfd entry{out_, POLLIN, 0};
+            if (::poll(&entry, 1, 100) <= 0) continue;
+            if (::read(out_, &c, 1) != 1 || c == '\n') break;
+            line += c;
+        }
+        return line;
+    }
+    void signal(int number) const { ::kill(id_, number); }
+
+    /// The exit code; 1000 + n when signal n ended it, -1 when it does not end in time.
+    int wait(std::chrono::milliseconds limit = patience) {
+        for (const auto end = Clock::now() + limit; Clock::now() < end; std::this_thread::sleep_for(2ms)) {
+            int status = 0;
+            if (::waitpid(id_, &status, WNOHANG) != id_) continue;
+            id_ = -1;
+            return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+        }
+        return -1;
+    }
+    /// What it has written; after it has ended.
+    std::string output() const { return read_all(out_); }
+    std::string errors() const { return read_all(err_); }
+
+private:
+    static std::string read_all(int descriptor) {
+        std::string text;
+        std::array<char, 4096> part{};
+        for (auto size = ::read(descriptor, part.data(), part.size()); size > 0;
+             size = ::read(descriptor, part.data(), part.size())) {
+            text.append(part.data(), static_cast<std::size_t>(size));
+        }
+        return text;
+    }
+
+    pid_t id_ = -1;
+    int out_ = -1;
+    int err_ = -1;
+};
+
+std::uint16_t port_in(const std::string& line) {
+    const auto at = line.find("127.0.0.1:");
+    if (at == std::string::npos) return 0;
+    return static_cast<std::uint16_t>(std::stoul(line.substr(at + 10)));
+}
+
+struct Result {
+    int code;
+    std::string output;
+    std::string errors;
+};
+
+Result run(std::vector<std::string> arguments) {
+    Program program(std::move(arguments));
+    const auto code = program.wait();
+    if (code < 0) return {code, "", ""};
+    return {code, program.output(), program.errors()};
+}
+
+bool is_one_line(const std::string& text) { return !text.empty() && text.find('\n') == text.size() - 1; }
+
+TEST(Process, SaysWhoItIsAndWhereItListens) {
+    const Program program({"--port", "0"});
+    const auto line = program.first_line();
+    EXPECT_THAT(line, MatchesRegex("XENAX Xvi 75V8S \\(vendor 1389, device type 43, product code 0x7509, revision 1.1, "
+                                   "serial number 0x00A1B2C3\\) listens at 127.0.0.1:[0-9]+, TCP and UDP"));
+    TcpClient client(port_in(line));
+    ASSERT_TRUE(client.register_session());
+    EXPECT_EQ(hex(client.call(octets("0E 03 20 64 24 01 30 00"))), hex("8E 00 00 00 14 00 00 00"));
+}
+
+TEST(Process, StopsAtSigtermWithOpenSessions) {
+    for (const int number : {SIGTERM, SIGINT}) {
+        Program program({"--port", "0"});
+        const auto port = port_in(program.first_line());
+        TcpClient registered(port);
+        ASSERT_TRUE(registered.register_session());
+        ASSERT_TRUE(registered.open_class3());
+        const TcpClient silent(port);
+        ASSERT_TRUE(silent.send(octets("65 00 04")));
+        ASSERT_FALSE(registered.call(octets("0E 03 20 64 24 01 30 00")).empty());
+        const auto start = Clock::now();
+        program.signal(number);
+        EXPECT_EQ(program.wait(), 0);
+        EXPECT_LT(Clock::now() - start, 1s);
+        EXPECT_TRUE(registered.closed_by_peer());
+        EXPECT_TRUE(silent.closed_by_peer());
+        EXPECT_THAT(program.errors(), HasSubstr("stopping: 1 sessions are closed"));
+    }
+}
+
+// Whoever reads the line may stop the program at once: from then on, it ends in order.
+TEST(Process, StopsInOrderAsSoonAsItHasSaidThatItListens) {
+    for (int i = 0; i < 30; ++i) {
+        Program program({"--port", "0", "--log-level", "error"});
+        ASSERT_NE(port_in(program.first_line()), 0);
+        program.signal(SIGTERM);
+        ASSERT_EQ(program.wait(), 0) << "start " << i;
+    }
+}
+
+TEST(Process, APortInUseIsOneLineAndExitCode3) {
+    const Program first({"--port", "0"});
+    const auto port = std::to_string(port_in(first.first_line()));
+    const auto second = run({"--port", port});
+    EXPECT_EQ(second.code, 3);
+    EXPECT_EQ(second.output, "");
+    EXPECT_EQ(second.errors, "servobus-adapter: cannot listen at TCP 127.0.0.1:" + port +
+                                 ": Address already in use; another program listens there, stop it or choose --port or "
+                                 "--bind\n");
+}
+
+TEST(Process, AnAddressOfAnotherMachineIsExitCode3) {
+    const auto result = run({"--bind", "192.0.2.1", "--port", "0"});
+    EXPECT_EQ(result.code, 3);
+    EXPECT_TRUE(is_one_line(result.errors)) << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("this machine does not have that address"));
+    EXPECT_EQ(run({"--bind", "localhost", "--port", "0"}).code, 3);
+}
+
+class ProcessWithConfig : public testing::Test {
+protected:
+    void SetUp() override { std::filesystem::create_directories(directory_); }
+    void TearDown() override { std::filesystem::remove_all(directory_); }
+    std::string file(const std::string& content) const {
+        const auto path = directory_ / "drive.json";
+        std::ofstream(path, std::ios::binary) << content;
+        return path.string();
+    }
+    const std::filesystem::path directory_ =
+        std::filesystem::path(testing::TempDir()) /
+        ("servobus_process_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+TEST_F(ProcessWithConfig, ABadFileIsOneLineWithItsPlaceAndExitCode2) {
+    const auto path = file("{\n  \"port\": 0,\n  \"variant\": \"99v9\"\n}\n");
+    const auto result = run({"--config", path});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.output, "");
+    EXPECT_EQ(result.errors,
+              "servobus-adapter: " + path + ":3:3: 'variant' must be one of \"75v8s\", \"75v8\", \"48v8\"\n");
+}
+
+TEST_F(ProcessWithConfig, AFileThatCannotBeReadIsOneLineAndExitCode2) {
+    const auto path = (directory_ / "none.json").string();
+    const auto result = run({"--config", path});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.errors, "servobus-adapter: " + path + ": cannot be read\n");
+}
+
+TEST_F(ProcessWithConfig, ANumberThatOverflowsIsNoCrash) {
+    const auto result = run({"--config", file("{\"port\": 1e999}")});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_THAT(result.errors, HasSubstr("drive.json:1:14: "));
+    EXPECT_TRUE(is_one_line(result.errors)) << result.errors;
+}
+
+TEST_F(ProcessWithConfig, TheCommandLineWinsOverTheFile) {
+    const Program program({"--config",
+                           file(R"({"variant": "48v8", "port": 1, "identity": {"product_name": "Press 7"}})"), "--port",
+                           "0", "--variant", "75v8"});
+    EXPECT_THAT(program.first_line(), StartsWith("Press 7 (vendor 1389, device type 43, product code 0x7508"));
+}
+
+TEST_F(ProcessWithConfig, APlainResetComesBackWithTheConfiguredValuesAndAFactoryResetWithThePrinted) {
+    const Program program({"--config", file(R"({"port": 0, "values": {"SCurve": 77}})")});
+    const auto port = port_in(program.first_line());
+    const auto s_curve_after = [&](const std::string& request) {
+        TcpClient client(port);
+        EXPECT_TRUE(client.register_session());
+        client.call(octets("10 03 20 64 24 01 30 00 32 00 00 00"));
+        EXPECT_EQ(hex(client.call(octets(request))), hex("85 00 00 00"));
+        EXPECT_TRUE(client.closed_by_peer());
+        TcpClient next(port);
+        EXPECT_TRUE(next.register_session());
+        return hex(next.call(octets("0E 03 20 64 24 01 30 00")));
+    };
+    EXPECT_EQ(s_curve_after("05 02 20 01 24 01 00"), hex("8E 00 00 00 4D 00 00 00"));
+    EXPECT_EQ(s_curve_after("05 02 20 01 24 01 01"), hex("8E 00 00 00 14 00 00 00"));
+}
+
+TEST(Process, WrongUsageIsOneLineAndExitCode2) {
+    for (const auto& arguments : std::vector<std::vector<std::string>>{{"--prot", "0"},
+                                                                       {"--port", "65536"},
+                                                                       {"--port", "-1"},
+                                                                       {"--port", "many"},
+                                                                       {"--port"},
+                                                                       {"--variant", "75V8S"},
+                                                                       {"--log-level", "loud"},
+                                                                       {"surplus"}}) {
+        const auto result = run(arguments);
+        EXPECT_EQ(result.code, 2) << arguments.front();
+        EXPECT_EQ(result.output, "");
+        EXPECT_THAT(result.errors, StartsWith("servobus-adapter: "));
+        EXPECT_THAT(result.errors, HasSubstr("--help"));
+        EXPECT_TRUE(is_one_line(result.errors)) << result.errors;
+    }
+}
+
+TEST(Process, HelpAndVersionAreAnsweredOnStdout) {
+    const auto help = run({"--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_EQ(help.errors, "");
+    for (const auto* option : {"--variant", "--bind", "--port", "--config", "--log-level", "--version", "Exit codes"}) {
+        EXPECT_THAT(help.output, HasSubstr(option));
+    }
+    const auto version = run({"--version"});
+    EXPECT_EQ(version.code, 0);
+    EXPECT_EQ(version.errors, "");
+    EXPECT_THAT(version.output, MatchesRegex("servobus-adapter [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+}  // namespace
+}  // namespace servobus::test
