@@ -421,6 +421,15 @@ TEST(Class3, R_CON_47_TimesOutAfterItsIntervalTimesItsMultiplier) {
     }
 }
 
+TEST(Class3, R_CON_47_ARequestThatComesTooLateRevivesNothing) {
+    Site site;
+    auto peer = registered(site);
+    peer.open_class3();
+    site.now += 10s;  // the request is there before the timer has run
+    EXPECT_EQ(peer.connected_call(1, get_s_curve), "");
+    EXPECT_EQ(site.adapter.class3_connections(), 0U);
+}
+
 TEST(Class3, R_CON_47_EndsWithItsTcpConnection) {
     Site site;
     auto peer = registered(site);

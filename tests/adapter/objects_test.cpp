@@ -115,6 +115,15 @@ TEST_F(IdentityReset, R_ID_8_NoTypeIsType0) {
     expect_restarted();
 }
 
+TEST_F(IdentityReset, R_ID_8_AskingAgainDoesNotPutItOff) {
+    spoil();
+    EXPECT_EQ(peer_.call("05 02 20 01 24 01 00"), hex("85 00 00 00"));
+    site_.advance(60ms);
+    EXPECT_EQ(peer_.call("05 02 20 01 24 01 00"), hex("85 00 00 00"));
+    site_.advance(40ms);
+    expect_restarted();
+}
+
 TEST_F(IdentityReset, R_ID_8_Type1BringsTheFactoryDefaults) {
     spoil();
     EXPECT_EQ(peer_.call("10 03 20 F5 24 01 30 0D 0A 00"), done);
