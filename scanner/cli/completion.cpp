@@ -1,0 +1,173 @@
+#include "scanner/cli/completion.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace servobus::scanner::cli {
+namespace {
+
+// The scripts ask the program itself for names, so they do not age. @VERBS@ and the like are filled in.
+
+constexpr std::string_view bash_script = R"sh(# bash completion for servobus-scanner.
+# Load it with: source <(servobus-scanner completion bash)
+_servobus_scanner() {
+    local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} verb= at=0 i
+    COMPREPLY=()
+    for ((i = 1; i < COMP_CWORD; i++)); do
+        case ${COMP_WORDS[i]} in
+            @VERB_PATTERN@) verb=${COMP_WORDS[i]} at=$i; break ;;
+        esac
+    done
+    local words=
+    if [[ $current == -* ]]; then
+        case $verb in
+@OPTION_CASES@
+            *) words="@COMMON_OPTIONS@" ;;
+        esac
+    elif [[ -z $verb ]]; then
+        words="@VERBS@"
+    elif [[ $verb == completion ]]; then
+        words="bash zsh fish"
+    elif ((COMP_CWORD > at + 1)); then
+        case $verb in
+            get | set | call) words=$("$program" list --names 2>/dev/null) ;;
+            command) words=$("$program" list --names --commands 2>/dev/null) ;;
+        esac
+        if [[ $verb == set ]]; then
+            compopt -o nospace
+            mapfile -t COMPREPLY < <(compgen -S = -W "$words" -- "$current")
+            return
+        fi
+    elif [[ $verb == list ]]; then
+        words=$("$program" list --names 2>/dev/null)
+    elif [[ $verb != discover ]]; then
+        mapfile -t COMPREPLY < <(compgen -A hostname -- "$current")
+        return
+    fi
+    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+}
+complete -F _servobus_scanner servobus-scanner
+)sh";
+
+constexpr std::string_view zsh_script = R"sh(#compdef servobus-scanner
+# zsh completion for servobus-scanner.
+# Load it with: source <(servobus-scanner completion zsh)
+_servobus_scanner() {
+    local -a verbs names
+    local verb= word at=0 i
+    verbs=(
+@VERB_LINES@
+    )
+    for ((i = 2; i < CURRENT; i++)); do
+        case $words[i] in
+            @VERB_PATTERN@) verb=$words[i]; at=$i; break ;;
+        esac
+    done
+    if [[ $PREFIX == -* ]]; then
+        case $verb in
+@OPTION_CASES@
+            *) compadd -- @COMMON_OPTIONS@ ;;
+        esac
+    elif [[ -z $verb ]]; then
+        _describe verb verbs
+    elif [[ $verb == completion ]]; then
+        compadd -- bash zsh fish
+    elif [[ $verb == list ]] || ((CURRENT > at + 1)); then
+        case $verb in
+            get | call | list) names=(${(f)"$($words[1] list --names 2>/dev/null)"}); compadd -a names ;;
+            set) names=(${(f)"$($words[1] list --names 2>/dev/null)"}); compadd -S = -a names ;;
+            command) names=(${(f)"$($words[1] list --names --commands 2>/dev/null)"}); compadd -a names ;;
+        esac
+    else
+        _hosts
+    fi
+}
+if [[ $funcstack[1] == _servobus_scanner ]]; then
+    _servobus_scanner "$@"
+else
+    compdef _servobus_scanner servobus-scanner
+fi
+)sh";
+
+constexpr std::string_view fish_script = R"sh(# fish completion for servobus-scanner.
+# Load it with: servobus-scanner completion fish | source
+complete -c servobus-scanner -f
+@FISH_LINES@
+complete -c servobus-scanner -n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'
+complete -c servobus-scanner -n '__fish_seen_subcommand_from get call list' -a '(servobus-scanner list --names)'
+complete -c servobus-scanner -n '__fish_seen_subcommand_from set' -a '(servobus-scanner list --names)='
+complete -c servobus-scanner -n '__fish_seen_subcommand_from command' -a '(servobus-scanner list --names --commands)'
+complete -c servobus-scanner -n '__fish_seen_subcommand_from identity dump' -a '(__fish_print_hostnames)'
+)sh";
+
+std::string replaced(std::string text, std::string_view mark, std::string_view with) {
+    for (auto at = text.find(mark); at != std::string::npos; at = text.find(mark, at + with.size())) {
+        text.replace(at, mark.size(), with);
+    }
+    return text;
+}
+
+std::vector<std::string> names(const std::vector<VerbInfo>& verbs) {
+    std::vector<std::string> list;
+    list.reserve(verbs.size());
+    for (const auto& verb : verbs) list.push_back(verb.name);
+    return list;
+}
+
+/// Options that every verb has which has any.
+std::vector<std::string> common_options() {
+    return {"--help", "--version", "--json", "--timeout", "--route", "--connected"};
+}
+
+std::string option_cases(const std::vector<VerbInfo>& verbs, std::string_view format) {
+    std::vector<std::string> cases;
+    cases.reserve(verbs.size());
+    for (const auto& verb : verbs) {
+        cases.push_back(fmt::format(fmt::runtime(format), verb.name, fmt::join(verb.options, " ")));
+    }
+    return fmt::format("{}", fmt::join(cases, "\n"));
+}
+
+std::string fish_lines(const std::vector<VerbInfo>& verbs) {
+    std::string text;
+    for (const auto& verb : verbs) {
+        text += fmt::format("complete -c servobus-scanner -n __fish_use_subcommand -a {} -d '{}'\n", verb.name,
+                            verb.description);
+        for (const auto& option : verb.options) {
+            text += fmt::format("complete -c servobus-scanner -n '__fish_seen_subcommand_from {}' -l {}\n", verb.name,
+                                option.substr(2));
+        }
+    }
+    text.pop_back();
+    return text;
+}
+
+std::string zsh_verb_lines(const std::vector<VerbInfo>& verbs) {
+    std::vector<std::string> lines;
+    lines.reserve(verbs.size());
+    for (const auto& verb : verbs) lines.push_back(fmt::format("        '{}:{}'", verb.name, verb.description));
+    return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
+}  // namespace
+
+std::optional<std::string> completion_script(std::string_view shell, const std::vector<VerbInfo>& verbs) {
+    std::string script;
+    if (shell == "bash") {
+        script = replaced(std::string(bash_script), "@OPTION_CASES@",
+                          option_cases(verbs, "            {}) words=\"{}\" ;;"));
+    } else if (shell == "zsh") {
+        script = replaced(std::string(zsh_script), "@OPTION_CASES@",
+                          option_cases(verbs, "            {}) compadd -- {} ;;"));
+        script = replaced(std::move(script), "@VERB_LINES@", zsh_verb_lines(verbs));
+    } else if (shell == "fish") {
+        return replaced(std::string(fish_script), "@FISH_LINES@", fish_lines(verbs));
+    } else {
+        return std::nullopt;
+    }
+    script = replaced(std::move(script), "@VERBS@", fmt::format("{}", fmt::join(names(verbs), " ")));
+    script = replaced(std::move(script), "@VERB_PATTERN@", fmt::format("{}", fmt::join(names(verbs), " | ")));
+    return replaced(std::move(script), "@COMMON_OPTIONS@", fmt::format("{}", fmt::join(common_options(), " ")));
+}
+
+}  // namespace servobus::scanner::cli

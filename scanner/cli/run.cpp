@@ -1,0 +1,253 @@
+#include "scanner/cli/run.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "scanner/cli/completion.hpp"
+#include "scanner/cli/exit_code.hpp"
+#include "scanner/cli/verbs.hpp"
+
+namespace servobus::scanner::cli {
+namespace {
+
+constexpr double max_timeout_s = 3600;
+constexpr int max_wait_ms = 60'000;
+
+std::string exit_code_lines() {
+    std::string text = "Exit codes:\n";
+    for (const auto& row : exit_codes) text += fmt::format("  {}  {}\n", static_cast<int>(row.code), row.text);
+    return text;
+}
+
+/// The command line as CLI11 fills it in.
+class CommandLine {
+public:
+    CommandLine(std::ostream& out, std::ostream& err) : console_{out, err} {
+        app_.set_version_flag("--version", "servobus-scanner " SERVOBUS_VERSION);
+        app_.require_subcommand(1);
+        app_.footer(exit_code_lines() + "\n'servobus-scanner VERB --help' shows examples.");
+        add_common(app_);
+        add_discovery();
+        add_parameters();
+        add_services();
+        add_offline();
+    }
+
+    ExitCode run(std::vector<std::string> arguments) {
+        console_.json = std::ranges::find(arguments, "--json") != arguments.end();
+        std::ranges::reverse(arguments);
+        try {
+            app_.parse(std::move(arguments));
+        } catch (const CLI::CallForHelp& help) {
+            app_.exit(help, console_.out, console_.err);
+            return ExitCode::done;
+        } catch (const CLI::CallForVersion& version) {
+            app_.exit(version, console_.out, console_.err);
+            return ExitCode::done;
+        } catch (const CLI::ParseError& error) {
+            return fail(console_, Mistake{fmt::format("{}; see --help", error.what())});
+        }
+        if (const auto mistake = read_settings()) return fail(console_, *mistake);
+        return action_();
+    }
+
+private:
+    /// Options before or behind the verb mean the same.
+    void add_common(CLI::App& app, bool talks = true) {
+        app.add_flag("--json", settings_.json, "Print one JSON document instead of text");
+        if (!talks) return;
+        app.add_option("--timeout", timeout_s_, "Longest time to wait for the device, in seconds (5)")
+            ->type_name("SECONDS");
+    }
+    void add_path_options(CLI::App& app) {
+        app.add_option("--route", route_, "Hops to the device: PORT/LINK[,PORT/LINK...]")->type_name("ROUTE");
+        app.add_flag("--connected", settings_.connected, "Talk over a class 3 connection");
+    }
+
+    CLI::App& add_verb(const std::string& name, const std::string& description, const std::string& examples,
+                       bool talks = true) {
+        auto& verb = *app_.add_subcommand(name, description);
+        add_common(verb, talks);
+        verb.footer("Examples:\n" + examples);
+        return verb;
+    }
+    /// A verb that talks to one device.
+    CLI::App& add_device_verb(const std::string& name, const std::string& description, const std::string& examples) {
+        auto& verb = add_verb(name, description, examples);
+        add_path_options(verb);
+        verb.add_option("HOST", host_, "Name or address of the device, with :PORT if it is not 44818")
+            ->required()
+            ->type_name("");
+        return verb;
+    }
+
+    void add_discovery() {
+        add_path_options(app_);
+        auto& discover_verb = add_verb("discover", "Find devices: broadcast on each interface, or ask one host",
+                                       "  servobus-scanner discover\n"
+                                       "  servobus-scanner discover --wait 3000 --json\n"
+                                       "  servobus-scanner discover --host 192.168.2.100\n");
+        discover_verb.add_option("--host", discover_.host, "Ask this host only, over UDP and then TCP")
+            ->type_name("HOST");
+        discover_verb.add_option("--wait", wait_ms_, "How long to collect answers, in milliseconds (1000)")
+            ->type_name("MS")
+            ->check(CLI::Range(1, max_wait_ms));
+        discover_verb.add_option("--port", discover_.port, "UDP port to broadcast to (44818)")
+            ->type_name("PORT")
+            ->check(CLI::Range(1, 0xFFFF));
+        on(discover_verb, [this] { return run_discover(); });
+
+        auto& identity_verb = add_device_verb("identity", "Print who a device says it is",
+                                              "  servobus-scanner identity 192.168.2.100\n"
+                                              "  servobus-scanner identity plc.local --route 1/0\n");
+        on(identity_verb, [this] { return identity(console_, settings_, host_); });
+    }
+
+    void add_parameters() {
+        auto& get_verb = add_device_verb("get", "Read parameters by name, mnemonic or address",
+                                         "  servobus-scanner get 192.168.2.100 SCurve TS PositionActualValue\n"
+                                         "  servobus-scanner get 192.168.2.100 drive.Controlword 0x66/1/0x24\n"
+                                         "  servobus-scanner get 192.168.2.100 @0x01/1/7 --json\n");
+        get_verb.add_option("WHAT", words_, "NAME, MNEMONIC, CLASS.NAME or CLASS/INSTANCE/ATTRIBUTE")
+            ->required()
+            ->type_name("");
+        on(get_verb, [this] { return get(console_, settings_, host_, words_); });
+
+        auto& set_verb =
+            add_device_verb("set", "Write parameters; the first refusal ends it",
+                            "  servobus-scanner set 192.168.2.100 SCurve=35\n"
+                            "  servobus-scanner set 192.168.2.100 drive.Controlword=0x0F SPROF=20000\n"
+                            "  servobus-scanner set 192.168.2.100 @0xF5/1/13=UINT:60 @0x64/1/0=hex:32000000\n");
+        set_verb
+            .add_option("WHAT=VALUE", words_,
+                        "A value in decimal, 0x hex or 0b binary; TYPE:VALUE or hex:... by address")
+            ->required()
+            ->type_name("");
+        on(set_verb, [this] { return set(console_, settings_, host_, words_); });
+
+        auto& dump_verb = add_device_verb("dump", "Read all parameters and print them by class",
+                                          "  servobus-scanner dump 192.168.2.100\n"
+                                          "  servobus-scanner dump 192.168.2.100 --json\n");
+        on(dump_verb, [this] { return dump(console_, settings_, host_); });
+
+        auto& command_verb = add_device_verb("command", "Give the drive a direct command",
+                                             "  servobus-scanner command 192.168.2.100 REF\n"
+                                             "  servobus-scanner command 192.168.2.100 PowerQuit\n"
+                                             "  servobus-scanner list --commands\n");
+        command_verb.add_option("MNEMONIC", word_, "Mnemonic, name or number of the command")
+            ->required()
+            ->type_name("");
+        on(command_verb, [this] { return command(console_, settings_, host_, word_); });
+    }
+
+    void add_services() {
+        auto& verb = add_device_verb("call", "Call any CIP service on any path",
+                                     "  servobus-scanner call 192.168.2.100 Get_Attribute_Single 0x66/1/0x24\n"
+                                     "  servobus-scanner call 192.168.2.100 0x10 0x64/1/0 32 00 00 00\n"
+                                     "  servobus-scanner call 192.168.2.100 0x01 'hex:20 01 24 01' --json\n");
+        verb.add_option("SERVICE", word_, "Number (0x0E) or name (Get_Attribute_Single)")->required()->type_name("");
+        verb.add_option("PATH", path_, "CLASS/INSTANCE[/ATTRIBUTE], hex:EPATH, or a parameter's name")
+            ->required()
+            ->type_name("");
+        verb.add_option("HEX", words_, "Request data: pairs of hex digits, or TYPE:VALUE")->type_name("");
+        on(verb, [this] { return call(console_, settings_, host_, word_, path_, words_); });
+    }
+
+    void add_offline() {
+        auto& list_verb = add_verb("list", "Print the parameters that exist, without a device",
+                                   "  servobus-scanner list\n"
+                                   "  servobus-scanner list position\n"
+                                   "  servobus-scanner list 'drive.*' --json\n"
+                                   "  servobus-scanner list --commands\n",
+                                   false);
+        list_verb.add_option("PATTERN", list_.pattern, "Part of a name, mnemonic or address; or with * and ?")
+            ->type_name("");
+        list_verb.add_flag("--names", list_.names, "Only names and mnemonics, one a line");
+        list_verb.add_flag("--commands", list_.commands, "Direct commands instead of parameters");
+        on(list_verb, [this] { return list(console_, list_); });
+
+        auto& completion_verb = add_verb("completion", "Print a script that makes a shell complete commands",
+                                         "  source <(servobus-scanner completion bash)\n"
+                                         "  source <(servobus-scanner completion zsh)\n"
+                                         "  servobus-scanner completion fish | source\n",
+                                         false);
+        completion_verb.add_option("SHELL", word_, "bash, zsh or fish")->required()->type_name("");
+        on(completion_verb, [this] { return completion(); });
+    }
+
+    void on(CLI::App& verb, std::function<ExitCode()> action) {
+        verb.callback([this, action = std::move(action)] { action_ = action; });
+    }
+
+    std::optional<Mistake> read_settings() {
+        if (!std::isfinite(timeout_s_) || timeout_s_ < 0.001 || timeout_s_ > max_timeout_s) {
+            return Mistake{fmt::format("--timeout is a number of seconds from 0.001 to {}", max_timeout_s)};
+        }
+        settings_.timeout = std::chrono::milliseconds(std::llround(timeout_s_ * 1000));
+        discover_.wait = std::chrono::milliseconds(wait_ms_);
+        if (!route_) return std::nullopt;
+        auto route = parse_route(*route_);
+        if (!route) return route.error();
+        settings_.route = std::move(*route);
+        return std::nullopt;
+    }
+
+    ExitCode run_discover() {
+        if (route_ || settings_.connected) {
+            return fail(console_,
+                        Mistake{"discover has no --route and no --connected: it asks devices on this network"});
+        }
+        return discover(console_, settings_, discover_);
+    }
+
+    ExitCode completion() {
+        std::vector<VerbInfo> verbs;
+        for (const auto* verb : app_.get_subcommands({})) {
+            VerbInfo info{verb->get_name(), verb->get_description(), {}};
+            for (const auto* option : verb->get_options()) {
+                if (!option->get_positional()) info.options.push_back("--" + option->get_lnames().front());
+            }
+            verbs.push_back(std::move(info));
+        }
+        const auto script = completion_script(word_, verbs);
+        if (!script)
+            return fail(console_, Mistake{fmt::format("'{}' is no shell that is known: bash, zsh, fish", word_)});
+        console_.out << *script;
+        return ExitCode::done;
+    }
+
+    Console console_;
+    CLI::App app_{"Reads, writes and commands servo drives and other EtherNet/IP devices.", "servobus-scanner"};
+    Settings settings_;
+    DiscoverArguments discover_;
+    ListArguments list_;
+    double timeout_s_ = 5;
+    int wait_ms_ = 1000;
+    std::optional<std::string> route_;
+    std::string host_;
+    std::string word_;
+    std::string path_;
+    std::vector<std::string> words_;
+    std::function<ExitCode()> action_;
+};
+
+}  // namespace
+
+int run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err) {
+    auto code = ExitCode::fault;
+    try {
+        code = CommandLine(out, err).run(std::move(arguments));
+    } catch (const std::exception& error) {
+        err << "servobus-scanner: unexpected: " << error.what() << '\n';
+    }
+    return static_cast<int>(code);
+}
+
+}  // namespace servobus::scanner::cli

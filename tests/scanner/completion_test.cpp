@@ -1,0 +1,66 @@
+// The completion scripts, the bash one at work.
+#include "scanner/cli/completion.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "scanner/cli/run.hpp"
+
+namespace servobus::scanner::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string script(const std::string& shell) {
+    std::ostringstream out;
+    std::ostringstream err;
+    EXPECT_EQ(run({"completion", shell}, out, err), 0) << err.str();
+    return out.str();
+}
+
+/// What bash offers for the last of these words.
+std::string offered(const std::string& words) {
+    const auto file = testing::TempDir() + "/servobus_completion_" + std::to_string(getpid()) + ".bash";
+    std::ofstream(file) << script("bash") << "compopt() { :; }\n"
+                        << "PATH=" << SERVOBUS_BIN_DIR << ":$PATH\n"
+                        << "COMP_WORDS=(" << words << ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"
+                        << "_servobus_scanner\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
+    std::string text;
+    auto* pipe = popen(("bash " + file + " 2>&1").c_str(), "r");
+    std::array<char, 256> buffer{};
+    while (fgets(buffer.data(), buffer.size(), pipe) != nullptr) text += buffer.data();
+    EXPECT_EQ(pclose(pipe), 0) << text;
+    std::remove(file.c_str());
+    return text;
+}
+
+TEST(Completion, KnowsEveryVerbInEveryShell) {
+    for (const auto* shell : {"bash", "zsh", "fish"}) {
+        const auto text = script(shell);
+        EXPECT_THAT(text, Not(testing::ContainsRegex("@[A-Z]"))) << "a mark that was not filled in";
+        for (const auto* word : {"discover", "identity", "get", "set", "dump", "command", "call", "list", "completion",
+                                 "json", "timeout", "route", "connected", "wait", "host", "list --names"}) {
+            EXPECT_THAT(text, HasSubstr(word)) << shell;
+        }
+    }
+    EXPECT_EQ(completion_script("tcsh", {}), std::nullopt);
+}
+
+TEST(Completion, WorksInBash) {
+    EXPECT_EQ(offered("servobus-scanner di"), "discover\n");
+    EXPECT_EQ(offered("servobus-scanner get host SCur"), "SCurve\nSCurveProfile\n");
+    EXPECT_EQ(offered("servobus-scanner get host drive.Controlw"), "drive.Controlword\n");
+    EXPECT_EQ(offered("servobus-scanner set host Controlw"), "Controlword=\n");
+    EXPECT_EQ(offered("servobus-scanner command host RE"), "REF\nRES\nRESM\n");
+    EXPECT_EQ(offered("servobus-scanner get host --jso"), "--json\n");
+    EXPECT_EQ(offered("servobus-scanner --json get host --tim"), "--timeout\n");
+    EXPECT_EQ(offered("servobus-scanner completion z"), "zsh\n");
+}
+
+}  // namespace
+}  // namespace servobus::scanner::cli
