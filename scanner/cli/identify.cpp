@@ -15,10 +15,9 @@ Failure refusal(const cip::Status& status) {
     return {ExitCode::refused, fmt::format("the Identity object refused with {}", cip::describe(status)), status};
 }
 
-/// One attribute after the other, for devices without Get_Attributes_All. The state is optional (R-ID-1).
-Attempt read_attributes(Link& link) {
-    Identity identity;
-    for (std::uint32_t id = first_identity_attribute; id <= identity_state_attribute; ++id) {
+/// The attributes from `first` on, one after the other. The state is optional (R-ID-1).
+Attempt read_attributes(Link& link, Identity identity, std::uint32_t first) {
+    for (std::uint32_t id = first; id <= identity_state_attribute; ++id) {
         const auto path = cip::Path::to(cip::class_id::identity, 1, id);
         const auto answer = link.call({cip::service::get_attribute_single, path, {}});
         if (!answer) return link.failure_of(answer.error());
@@ -34,9 +33,13 @@ Attempt read_attributes(Link& link) {
 Attempt read_identity(Link& link) {
     const auto answer = link.call({cip::service::get_attributes_all, cip::Path::to(cip::class_id::identity, 1), {}});
     if (!answer) return link.failure_of(answer.error());
-    if (!answer->status.ok()) return read_attributes(link);
-    if (const auto identity = scanner::read_identity(answer->data)) return *identity;
-    return link.failure_of(make_error_code(Error::missing_data));
+    if (!answer->status.ok()) return read_attributes(link, {}, first_identity_attribute);
+    const auto identity = scanner::read_identity(answer->data);
+    if (!identity) return link.failure_of(make_error_code(Error::missing_data));
+    if (identity->state) return *identity;
+    // Many devices tell all but their state; what they did tell is not lost when asking for it goes wrong.
+    const auto with_state = read_attributes(link, *identity, identity_state_attribute);
+    return with_state ? with_state : *identity;
 }
 
 ExitCode nobody(const Console& console, const Failure& failure) {
