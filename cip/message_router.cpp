@@ -207,7 +207,7 @@ Response MessageRouter::dispatch(const RequestView& request, const Origin& origi
     const auto refuse = [&](Status status) {
         return Response{static_cast<std::uint8_t>(request.service & 0x7F), std::move(status), {}};
     };
-    auto path = RequestPath::parse(request.path);
+    const auto path = RequestPath::parse(request.path);
     if (!path) return refuse(path.error());
     if (path->key && mismatch(*path->key, node_)) return refuse(GeneralStatus::key_failure_in_path);
 
@@ -222,10 +222,11 @@ Response MessageRouter::dispatch(const RequestView& request, const Origin& origi
     }
     const auto found = objects_.find(path->class_id);
     if (found == objects_.end()) return refuse(GeneralStatus::path_destination_unknown);
-    return dispatch(request, std::move(*path), *found->second, origin);
+    return dispatch(request, *path, *found->second, origin);
 }
 
-Response MessageRouter::dispatch(const RequestView& request, RequestPath path, Object& object, const Origin& origin) {
+Response MessageRouter::dispatch(const RequestView& request, const RequestPath& path, Object& object,
+                                 const Origin& origin) {
     if (path.instance == 0) return call_class(request, path, object.info());
     Response response{static_cast<std::uint8_t>(request.service & 0x7F)};
     if (!object.has_instance(path.instance)) {

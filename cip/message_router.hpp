@@ -35,7 +35,7 @@ public:
 
 private:
     Response dispatch(const RequestView& request, const Origin& origin);
-    Response dispatch(const RequestView& request, RequestPath path, Object& object, const Origin& origin);
+    Response dispatch(const RequestView& request, const RequestPath& path, Object& object, const Origin& origin);
     Response multiple_service_packet(const RequestView& request, const Origin& origin);
 
     NodeIdentity node_;

@@ -247,11 +247,24 @@ TEST(Run, CallsAnyService) {
 }
 
 TEST(Run, TellsWhoADeviceIs) {
-    FakeServer whole(answering([](const cip::Request& request) {
-        EXPECT_EQ(request.service, cip::service::get_attributes_all);
-        return cip::Response{request.service, {}, hex("6D05 2B00 0975 01 02 3000 C3B2A100 05 58454E4158")};
+    const auto all = hex("6D05 2B00 0975 01 02 3000 C3B2A100 05 58454E4158");
+    FakeServer whole(answering([&](const cip::Request& request) {
+        const bool asks_all = request.service == cip::service::get_attributes_all;
+        EXPECT_TRUE(asks_all || request.path == cip::Path::to(1, 1, 8)) << "only what the list of all does not hold";
+        return cip::Response{request.service, {}, asks_all ? all : hex("03")};
     }));
-    EXPECT_THAT(run_scanner({"identity", whole.host()}).out, HasSubstr("vendor         1389 Jenny Science AG\n"));
+    const auto known = run_scanner({"identity", whole.host()}).out;
+    EXPECT_THAT(known, HasSubstr("vendor         1389 Jenny Science AG\n"));
+    EXPECT_THAT(known, HasSubstr("state          3 operational\n"));
+
+    FakeServer stateless(answering([&](const cip::Request& request) {
+        const bool asks_all = request.service == cip::service::get_attributes_all;
+        return asks_all ? cip::Response{request.service, {}, all}
+                        : refusal(request, cip::GeneralStatus::attribute_not_supported);
+    }));
+    const auto partly = run_scanner({"identity", stateless.host()});
+    EXPECT_EQ(partly.code, 0);
+    EXPECT_THAT(partly.out, HasSubstr("state          not told\n"));
 
     FakeServer single(answering([](const cip::Request& request) {
         if (request.service != cip::service::get_attribute_single) {
