@@ -98,18 +98,16 @@ void Adapter::build_objects() {
 }
 
 std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
-    const auto refused = static_cast<std::size_t>(
-        std::ranges::count_if(connections_, [](const auto& entry) { return entry.second->refused; }));
-    const bool full = connections_.size() - refused >= limits_.tcp_connections;
-    if (full && refused >= limits_.refusals) return std::nullopt;
+    const bool refused = !make_room();
+    if (refused && limits_.refusals == 0) return std::nullopt;
     auto connection = std::make_unique<Connection>();
     connection->id = ++last_id_;
     connection->peer = peer;
     connection->local = local;
-    connection->refused = full;
+    connection->refused = refused;
     connection->decoder = enip::FrameDecoder(limits_.frame_data_bytes);
     connection->last_message = now;
-    if (full) {
+    if (refused) {
         log_(LogLevel::warning, fmt::format("{} refused: all {} TCP connections are in use", enip::to_string(peer),
                                             limits_.tcp_connections));
     } else {
@@ -118,6 +116,42 @@ std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip:
     const auto id = connection->id;
     connections_.emplace(id, std::move(connection));
     return id;
+}
+
+// Whether one more connection can be served. Those that have connected and then said nothing do not keep out those that
+// have something to say; sessions are never taken from anybody.
+bool Adapter::make_room() {
+    const auto waits = [](const Connection& connection) { return connection.refused && !connection.expired; };
+    const auto served = [](const Connection& connection) { return !connection.refused && !connection.expired; };
+    const auto count = [&](auto condition) {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(connections_, [&](const auto& entry) { return condition(*entry.second); }));
+    };
+    if (count(served) < limits_.tcp_connections) return true;
+    auto* idle = longest_silent(
+        [&](const Connection& connection) { return served(connection) && sessions_.handle_of(connection.id) == 0; });
+    if (idle != nullptr) {
+        log_(LogLevel::debug, fmt::format("{} makes room for another", enip::to_string(idle->peer)));
+        expire(*idle);
+        return true;
+    }
+    if (limits_.refusals > 0 && count(waits) >= limits_.refusals) expire(*longest_silent(waits));
+    return false;
+}
+
+Adapter::Connection* Adapter::longest_silent(const std::function<bool(const Connection&)>& condition) const {
+    Connection* found = nullptr;
+    for (const auto& [id, connection] : connections_) {
+        const bool longer = found == nullptr || connection->last_message < found->last_message;
+        if (longer && condition(*connection)) found = connection.get();
+    }
+    return found;
+}
+
+void Adapter::expire(Connection& connection) {
+    connection.closing = true;
+    connection.expired = true;
+    expired_.push_back(connection.id);
 }
 
 std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time now) {
@@ -328,9 +362,7 @@ void Adapter::on_timer(enip::Time now) {
             log_(LogLevel::info, fmt::format("{} closed: no message for {} s", enip::to_string(connection->peer),
                                              network_.inactivity_seconds));
         }
-        connection->closing = true;
-        connection->expired = true;
-        expired_.push_back(id);
+        expire(*connection);
     }
 }
 
@@ -367,9 +399,7 @@ void Adapter::reset(enip::Time now) {
 
 void Adapter::shut_down() {
     for (auto& [id, connection] : connections_) {
-        connection->closing = true;
-        connection->expired = true;
-        expired_.push_back(id);
+        expire(*connection);
     }
 }
 

@@ -80,6 +80,9 @@ private:
     };
 
     void build_objects();
+    [[nodiscard]] bool make_room();
+    [[nodiscard]] Connection* longest_silent(const std::function<bool(const Connection&)>& condition) const;
+    void expire(Connection& connection);
     void on_message(Connection& connection, const enip::FrameDecoder::Result& message, enip::Time now);
     [[nodiscard]] std::optional<enip::Frame> answer(Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] enip::Frame register_session(const Connection& connection, const enip::Frame& request);

@@ -10,12 +10,13 @@
 namespace servobus::adapter {
 
 struct Limits {
-    /// TCP connections that are served. A newcomer past this gets its first request answered with encapsulation status
-    /// 0x0002 and is closed (R-ENC-26).
+    /// TCP connections that are served. A newcomer past this takes the place of the connection without a session that
+    /// has been silent longest; when all have sessions, its first request is answered with encapsulation status 0x0002
+    /// and it is closed (R-ENC-26).
     std::size_t tcp_connections = 192;
     /// Registered sessions; the next RegisterSession is answered 0x0002.
     std::size_t sessions = 128;
-    /// Newcomers past tcp_connections that wait for their refusal; one more is closed at once.
+    /// Newcomers past tcp_connections that wait for their refusal; one more takes the place of the oldest.
     std::size_t refusals = 32;
     /// How long a newcomer past the limit may take to send the request that is refused.
     std::chrono::milliseconds refusal_patience{1000};

@@ -8,7 +8,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # gcc 12 reports these falsely inside its own headers when it inlines them.
     target_compile_options(servobus_options INTERFACE
         $<BUILD_INTERFACE:-Wno-maybe-uninitialized -Wno-restrict -Wno-stringop-overflow
-        -Wno-array-bounds>)
+        -Wno-array-bounds -Wno-stringop-overread>)
 endif()
 if(SERVOBUS_SANITIZE)
     target_compile_options(servobus_options INTERFACE

@@ -64,7 +64,7 @@ public:
     virtual void on_timer(Time now) = 0;
     [[nodiscard]] virtual std::optional<Time> next_deadline() const = 0;
 
-    /// Connections that on_timer() has decided to close.
+    /// Connections that on_timer() or on_open() has decided to close.
     [[nodiscard]] virtual std::vector<ConnectionId> take_expired() = 0;
 
 protected:

@@ -206,6 +206,7 @@ net::awaitable<void> TargetServer::Impl::serve(tcp::socket socket) {
     const auto id = target_.on_open(peer, local, clock_now());
     if (!id) co_return;
     sockets_[*id] = &socket;
+    close_expired();  // those that have made room for this one
     after_event();
     co_await exchange(socket, *id);
     sockets_.erase(*id);

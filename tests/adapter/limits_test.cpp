@@ -40,32 +40,61 @@ TEST(Limits, R_ENC_26_TcpConnections_AFreePlaceIsTakenAgain) {
     EXPECT_EQ(third.call("0E 03 20 64 24 01 30 00"), hex("8E 00 00 00 14 00 00 00"));
 }
 
-TEST(Limits, Refusals_OnePastThemIsNotAcceptedAtAll) {
+TEST(Limits, TcpConnections_ANewcomerTakesThePlaceOfTheLongestSilentWithoutASession) {
     Site site(few_connections());
     Peer first(site);
     Peer second(site);
+    site.advance(1s);
+    EXPECT_NE(first.send(frame("04 00")), "") << "it has spoken last";
+    auto third = registered(site);
+    EXPECT_EQ(site.adapter.take_expired(), std::vector{second.id()});
+    EXPECT_FALSE(second.open());
+    EXPECT_TRUE(first.open());
+    auto fourth = registered(site);
+    EXPECT_EQ(site.adapter.take_expired(), std::vector{first.id()});
+    EXPECT_EQ(third.call("0E 03 20 64 24 01 30 00"), hex("8E 00 00 00 14 00 00 00")) << "a session stays";
+    EXPECT_EQ(fourth.call("0E 03 20 64 24 01 30 00"), hex("8E 00 00 00 14 00 00 00"));
+}
+
+/// A device whose two places have sessions.
+struct FullSite : Site {
+    FullSite() : Site(few_connections()) {}
+    Peer first = registered(*this);
+    Peer second = registered(*this);
+};
+
+TEST(Limits, Refusals_OnePastThemTakesThePlaceOfTheOldest) {
+    FullSite site;
     Peer refused(site);
-    EXPECT_TRUE(refused.accepted());
+    EXPECT_TRUE(refused.open());
+    Peer newer(site);
+    EXPECT_EQ(site.adapter.take_expired(), std::vector{refused.id()});
+    EXPECT_FALSE(refused.open());
+    EXPECT_EQ(newer.send(frame("65 00", no_session, "01 00 00 00")), hex(failure("65 00", no_session, no_memory)));
+}
+
+TEST(Limits, Refusals_NoneAtAllMeansNotAccepted) {
+    auto limits = few_connections();
+    limits.refusals = 0;
+    Site site(limits);
+    auto first = registered(site);
+    auto second = registered(site);
     EXPECT_FALSE(Peer(site).accepted());
-    refused.close();
+    first.close();
     EXPECT_TRUE(Peer(site).accepted());
 }
 
 TEST(Limits, Refusals_DoNotTakeThePlacesOfOthers) {
-    Site site(few_connections());
-    Peer first(site);
-    Peer second(site);
+    FullSite site;
     Peer refused(site);
-    first.close();
+    site.first.close();
     auto served = registered(site);
     EXPECT_NE(served.session(), 0U);
     EXPECT_EQ(refused.send(frame("04 00")), hex(failure("04 00", no_session, no_memory)));
 }
 
 TEST(Limits, RefusalPatience_ASilentNewcomerIsClosedAfterIt) {
-    Site site(few_connections());
-    Peer first(site);
-    Peer second(site);
+    FullSite site;
     Peer silent(site);
     site.advance(999ms);
     EXPECT_TRUE(silent.open());
@@ -73,14 +102,12 @@ TEST(Limits, RefusalPatience_ASilentNewcomerIsClosedAfterIt) {
     site.advance(1ms);
     EXPECT_FALSE(silent.open());
     EXPECT_EQ(site.expired, std::vector{silent.id()});
-    EXPECT_TRUE(first.open());
+    EXPECT_TRUE(site.first.open());
 }
 
 TEST(Limits, RefusalPatience_WhatIsNeverAnsweredIsNotAnsweredHere) {
     for (const auto& message : {frame("00 00"), FrameText{.command = "04 00", .status = "01 00 00 00"}.text()}) {
-        Site site(few_connections());
-        Peer first(site);
-        Peer second(site);
+        FullSite site;
         Peer newcomer(site);
         EXPECT_EQ(newcomer.send(message), "") << "R-ENC-8, R-ENC-10";
         EXPECT_FALSE(newcomer.open());
