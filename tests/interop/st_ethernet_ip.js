@@ -9,8 +9,10 @@ const IDENTITY = 0x01, GENERAL = 0x64, DRIVE = 0x66;
 const int16 = value => { const bytes = Buffer.alloc(2); bytes.writeInt16LE(value); return bytes; };
 const int32 = value => { const bytes = Buffer.alloc(4); bytes.writeInt32LE(value); return bytes; };
 
-async function main(host) {
-    const client = new Controller(false);  // unconnected messages
+// Unconnected messages, or a class 3 connection that the client opens and closes.
+async function talk(host, connected) {
+    console.log(connected ? "connected" : "unconnected");
+    const client = new Controller(connected);
     client.timeout_sp = 5000;
     await client.connect(host, Buffer.alloc(0), false);
 
@@ -50,6 +52,11 @@ async function main(host) {
         await expect(GENERAL, 0x00, int32(20), "SCurve after a refused write");
     }
     await client.disconnect();
+}
+
+async function main(host) {
+    await talk(host, false);
+    await talk(host, true);
 }
 
 // The client keeps timers of up to its timeout, so leave as soon as the answer is known.
