@@ -8,36 +8,20 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
 #include "drive/xenax.hpp"
-#include "scanner/cli/run.hpp"
+#include "tests/scanner/run_scanner.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
 
 using namespace std::chrono_literals;
+using namespace test;
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-struct Run {
-    int code = 0;
-    std::string out;
-    std::string err;
-};
-
-Run run_scanner(const std::vector<std::string>& arguments) {
-    std::ostringstream out;
-    std::ostringstream err;
-    Run result;
-    result.code = run(arguments, out, err);
-    result.out = out.str();
-    result.err = err.str();
-    return result;
-}
 
 class EndToEnd : public testing::Test {
 protected:

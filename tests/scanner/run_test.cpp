@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "cip/services.hpp"
 #include "cip/wire.hpp"
 #include "tests/scanner/fake_server.hpp"
+#include "tests/scanner/run_scanner.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -22,22 +22,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
-
-struct Run {
-    int code = 0;
-    std::string out;
-    std::string err;
-};
-
-Run run_scanner(const std::vector<std::string>& arguments) {
-    std::ostringstream out;
-    std::ostringstream err;
-    Run result;
-    result.code = run(arguments, out, err);
-    result.out = out.str();
-    result.err = err.str();
-    return result;
-}
 
 /// Every message is a line of its own that says who speaks.
 void expect_clear(const std::string& err) {
