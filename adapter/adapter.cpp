@@ -254,13 +254,21 @@ std::optional<Frame> Adapter::unregister_session(Connection& connection, const F
     return std::nullopt;
 }
 
-std::optional<Frame> Adapter::send_rr_data(const Connection& connection, const Frame& request, enip::Time now) {
+// What SendRRData and SendUnitData have in common: they need this connection's session and a sound list of items.
+boost::system::result<enip::SendData, EncapsulationStatus> Adapter::session_data(const Connection& connection,
+                                                                                 const Frame& request) const {
     const auto handle = sessions_.handle_of(connection.id);
-    if (handle == 0 || handle != request.session) return request.reply(EncapsulationStatus::invalid_session);
+    if (handle == 0 || handle != request.session) return EncapsulationStatus::invalid_session;
     constexpr std::size_t smallest = 16;  // R-ENC-11
-    if (request.data.size() < smallest) return request.reply(EncapsulationStatus::invalid_length);
-    const auto data = enip::SendData::parse(request.data);
-    if (!data) return request.reply(EncapsulationStatus::incorrect_data);
+    if (request.data.size() < smallest) return EncapsulationStatus::invalid_length;
+    auto data = enip::SendData::parse(request.data);
+    if (!data) return EncapsulationStatus::incorrect_data;
+    return *std::move(data);
+}
+
+Frame Adapter::send_rr_data(const Connection& connection, const Frame& request, enip::Time now) {
+    const auto data = session_data(connection, request);
+    if (!data) return request.reply(data.error());
     const auto message = enip::unconnected_message(*data);
     if (!message) return request.reply(EncapsulationStatus::incorrect_data);
     const cip::Origin origin{.via = cip::Origin::Via::unconnected,
@@ -274,18 +282,13 @@ std::optional<Frame> Adapter::send_rr_data(const Connection& connection, const F
 }
 
 std::optional<Frame> Adapter::send_unit_data(const Connection& connection, const Frame& request, enip::Time now) {
-    const auto handle = sessions_.handle_of(connection.id);
-    if (handle == 0 || handle != request.session) return request.reply(EncapsulationStatus::invalid_session);
-    constexpr std::size_t smallest = 16;
-    if (request.data.size() < smallest) return request.reply(EncapsulationStatus::invalid_length);
-    const auto data = enip::SendData::parse(request.data);
-    if (!data) return request.reply(EncapsulationStatus::incorrect_data);
+    const auto data = session_data(connection, request);
+    if (!data) return request.reply(data.error());
     const auto message = enip::connected_message(*data);
     if (!message) return request.reply(EncapsulationStatus::incorrect_data);
     const auto reply = manager_->on_connected(*message, connection.id, connection.peer.address, now);
     if (!reply) return std::nullopt;  // R-ENC-23
-    auto frame = request.reply(EncapsulationStatus::success, reply->encode());
-    return frame;
+    return request.reply(EncapsulationStatus::success, reply->encode());
 }
 
 cip::Bytes Adapter::take_replies(ConnectionId id) {

@@ -7,6 +7,7 @@
 //     auto reply = adapter.take_replies(*id);
 #pragma once
 
+#include <boost/system/result.hpp>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -87,8 +88,9 @@ private:
     [[nodiscard]] std::optional<enip::Frame> answer(Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] enip::Frame register_session(const Connection& connection, const enip::Frame& request);
     [[nodiscard]] std::optional<enip::Frame> unregister_session(Connection& connection, const enip::Frame& request);
-    [[nodiscard]] std::optional<enip::Frame> send_rr_data(const Connection& connection, const enip::Frame& request,
-                                                          enip::Time now);
+    [[nodiscard]] boost::system::result<enip::SendData, enip::EncapsulationStatus> session_data(
+        const Connection& connection, const enip::Frame& request) const;
+    [[nodiscard]] enip::Frame send_rr_data(const Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] std::optional<enip::Frame> send_unit_data(const Connection& connection, const enip::Frame& request,
                                                             enip::Time now);
     [[nodiscard]] enip::Frame list(const enip::Frame& request, enip::Endpoint local) const;
