@@ -159,9 +159,13 @@ std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time
     if (found == connections_.end()) return octets.size();
     auto& connection = *found->second;
     auto rest = octets;
-    while (!rest.empty() && !connection.closing && connection.replies.size() < limits_.queued_bytes) {
+    std::size_t messages = 0;
+    while (!rest.empty() && !connection.closing && connection.replies.size() < limits_.queued_bytes &&
+           messages < limits_.messages_per_turn) {
         const auto message = connection.decoder.next(rest);
-        if (message) on_message(connection, *message, now);
+        if (!message) continue;
+        on_message(connection, *message, now);
+        ++messages;
     }
     // What follows an UnRegisterSession or a refusal is nobody's any more.
     return connection.closing ? octets.size() : octets.size() - rest.size();

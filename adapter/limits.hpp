@@ -24,6 +24,8 @@ struct Limits {
     std::size_t class3_connections = 128;
     /// Octets of replies that may wait on one TCP connection before no more of its requests are read.
     std::size_t queued_bytes = std::size_t{64} * 1024;
+    /// Messages of one TCP connection that are answered before others have their turn.
+    std::size_t messages_per_turn = 16;
     /// Data portion of one encapsulation message.
     std::size_t frame_data_bytes = enip::max_data_bytes;
     /// Message router message, in and out.

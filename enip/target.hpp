@@ -42,7 +42,7 @@ public:
     [[nodiscard]] virtual std::optional<ConnectionId> on_open(Endpoint peer, Endpoint local, Time now) = 0;
 
     /// Octets of a connection. Returns how many were taken: fewer than given when the replies that wait have reached
-    /// their limit; write those and offer the rest again.
+    /// their limit, or others should have their turn; write the replies and offer the rest again.
     [[nodiscard]] virtual std::size_t on_octets(ConnectionId id, cip::ByteView octets, Time now) = 0;
 
     /// The replies that wait, gathered; they are the caller's now.

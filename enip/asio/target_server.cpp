@@ -227,6 +227,8 @@ net::awaitable<void> TargetServer::Impl::exchange(tcp::socket& socket, Target::C
             if (!replies.empty()) {
                 const auto [failed, written] = co_await net::async_write(socket, net::buffer(replies), awaited);
                 if (failed) co_return;
+            } else if (!octets.empty()) {
+                co_await net::post(context_, awaited);  // there was nothing to write, and others have their turn too
             }
             if (target_.wants_close(id)) {
                 if (!stopped_) co_await farewell(socket, id);

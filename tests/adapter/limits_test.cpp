@@ -177,6 +177,20 @@ TEST(Limits, QueuedBytes_NoMoreRequestsAreReadAndNothingIsLost) {
     for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(replies[i * 26 + 12], i);
 }
 
+TEST(Limits, MessagesPerTurn_OnePastThemWaitsForTheNextTurn) {
+    adapter::Limits limits;
+    limits.messages_per_turn = 3;
+    Site site(limits);
+    Peer peer(site);
+    const auto request = octets(frame("04 00"));
+    cip::Bytes requests;
+    for (int i = 0; i < 4; ++i) requests.insert(requests.end(), request.begin(), request.end());
+    EXPECT_EQ(site.adapter.on_octets(peer.id(), requests, site.now), 3 * request.size());
+    EXPECT_EQ(site.adapter.take_replies(peer.id()).size(), 3U * 50);
+    EXPECT_EQ(site.adapter.on_octets(peer.id(), request, site.now), request.size());
+    EXPECT_EQ(site.adapter.take_replies(peer.id()).size(), 50U);
+}
+
 TEST(Limits, QueuedBytes_OneReplyMayReachPastThem) {
     adapter::Limits limits;
     limits.queued_bytes = 26;
