@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cip/multiple_service.hpp"
 #include "cip/services.hpp"
 #include "cip/wire.hpp"
 
@@ -263,46 +264,34 @@ Response MessageRouter::dispatch(const RequestView& request, const RequestPath& 
     return response;
 }
 
-// R-MSG-16. The lengths of the embedded requests follow from the offsets, so these must not go backwards.
+// R-MSG-16. The head of the reply is as long as that of the request; a part that does not fit any more is 0x11 in its
+// place.
 Response MessageRouter::multiple_service_packet(const RequestView& request, const Origin& origin) {
-    Response response{request.service};
-    const auto refuse = [&](GeneralStatus status) {
-        response.status = status;
-        response.data.clear();
-        return response;
-    };
+    const auto refuse = [&](GeneralStatus status) { return Response{request.service, status, {}}; };
     if (origin.depth >= max_embedding) return refuse(GeneralStatus::service_not_supported);
-    Reader reader(request.data);
-    const std::size_t count = reader.u16();
-    std::vector<std::size_t> offsets;
-    for (std::size_t i = 0; i < count && reader.ok(); ++i) offsets.push_back(reader.u16());
-    if (!reader.ok()) return refuse(GeneralStatus::not_enough_data);
-    offsets.push_back(request.data.size());
-    const std::size_t head = 2 + 2 * count;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (offsets[i] < head || offsets[i] + 2 > offsets[i + 1]) return refuse(GeneralStatus::not_enough_data);
-    }
+    constexpr std::size_t smallest_request = 2;
+    const auto parts = read_parts(request.data);
+    const auto is_short = [](ByteView part) { return part.size() < smallest_request; };
+    if (!parts || std::ranges::any_of(*parts, is_short)) return refuse(GeneralStatus::not_enough_data);
 
-    // The head of the reply is as long as that of the request; a part that does not fit any more is 0x11 in its place.
-    constexpr std::size_t smallest_reply = 4;
-    if (4 + head + count * smallest_reply > origin.reply_limit) return refuse(GeneralStatus::reply_data_too_large);
+    constexpr std::size_t reply_header = 4;
+    auto left = parts->size();
+    const auto head = reply_header + parts_head(left);
+    if (head + left * reply_header > origin.reply_limit) return refuse(GeneralStatus::reply_data_too_large);
     auto inner = origin;
     inner.depth = max_embedding;
-    Bytes replies;
-    std::vector<std::size_t> reply_offsets;
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto reserved = (count - 1 - i) * smallest_reply;
-        inner.reply_limit = origin.reply_limit - 4 - head - replies.size() - reserved;
-        const auto part = handle(request.data.subspan(offsets[i], offsets[i + 1] - offsets[i]), inner);
-        if (!part->status.ok()) response.status = GeneralStatus::embedded_service_error;
-        reply_offsets.push_back(head + replies.size());
-        const auto encoded = part->encode();
-        replies.insert(replies.end(), encoded.begin(), encoded.end());
+    auto room = origin.reply_limit - head;
+    Response response{request.service};
+    std::vector<Bytes> replies;
+    for (const auto part : *parts) {
+        --left;
+        inner.reply_limit = room - left * reply_header;  // the others have room at least to say that they had none
+        const auto reply = handle(part, inner);
+        if (!reply->status.ok()) response.status = GeneralStatus::embedded_service_error;
+        replies.push_back(reply->encode());
+        room -= replies.back().size();
     }
-    Writer writer(response.data);
-    writer.u16(static_cast<std::uint16_t>(count));
-    for (const auto offset : reply_offsets) writer.u16(static_cast<std::uint16_t>(offset));
-    writer.bytes(replies);
+    response.data = write_parts(replies);
     return response;
 }
 
