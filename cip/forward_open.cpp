@@ -46,6 +46,22 @@ void describe_open(Io& io, Open& open) {
     describe_parameters(io, open.t_to_o, open.large);
 }
 
+template <class Io, class Reply>
+void describe_reply(Io& io, Reply& reply) {
+    io.field(reply.o_to_t_id);
+    io.field(reply.t_to_o_id);
+    describe(io, reply.triad);
+    io.field(reply.o_to_t_api);
+    io.field(reply.t_to_o_api);
+}
+
+template <class Io, class Close>
+void describe_close(Io& io, Close& close) {
+    io.field(close.priority_tick);
+    io.field(close.timeout_ticks);
+    describe(io, close.triad);
+}
+
 // A path or application reply: size in words, perhaps a reserved octet, then the octets, to the end of the message.
 Decoded<Bytes> read_words(Reader& reader, bool reserved_octet) {
     const auto octets = reader.u8() * std::size_t{2};
@@ -122,11 +138,7 @@ Decoded<ForwardOpen> ForwardOpen::parse(ByteView data, bool large) {
 Bytes ForwardOpenReply::encode() const {
     Bytes bytes;
     Writer writer(bytes);
-    writer.u32(o_to_t_id);
-    writer.u32(t_to_o_id);
-    describe(writer, triad);
-    writer.u32(o_to_t_api);
-    writer.u32(t_to_o_api);
+    describe_reply(writer, *this);
     write_words(writer, application_reply, true);
     return bytes;
 }
@@ -134,11 +146,7 @@ Bytes ForwardOpenReply::encode() const {
 Decoded<ForwardOpenReply> ForwardOpenReply::parse(ByteView data) {
     Reader reader(data);
     ForwardOpenReply reply;
-    reader.field(reply.o_to_t_id);
-    reader.field(reply.t_to_o_id);
-    describe(reader, reply.triad);
-    reader.field(reply.o_to_t_api);
-    reader.field(reply.t_to_o_api);
+    describe_reply(reader, reply);
     auto application = read_words(reader, true);
     if (!application) return application.error();
     reply.application_reply = std::move(*application);
@@ -167,9 +175,7 @@ Decoded<ConnectionRefusal> ConnectionRefusal::parse(ByteView data) {
 Bytes ForwardClose::encode() const {
     Bytes bytes;
     Writer writer(bytes);
-    writer.u8(priority_tick);
-    writer.u8(timeout_ticks);
-    describe(writer, triad);
+    describe_close(writer, *this);
     write_words(writer, path, true);
     return bytes;
 }
@@ -177,9 +183,7 @@ Bytes ForwardClose::encode() const {
 Decoded<ForwardClose> ForwardClose::parse(ByteView data) {
     Reader reader(data);
     ForwardClose close;
-    reader.field(close.priority_tick);
-    reader.field(close.timeout_ticks);
-    describe(reader, close.triad);
+    describe_close(reader, close);
     auto path = read_words(reader, true);
     if (!path) return path.error();
     close.path = std::move(*path);
