@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "adapter/wire_checks.hpp"
 #include "assemblies/parameter_value.hpp"
 #include "cip/services.hpp"
 
@@ -72,9 +73,8 @@ cip::Status AssemblyObject::get(std::uint32_t instance, std::uint32_t id, cip::W
 }
 
 cip::Status AssemblyObject::set(std::uint32_t instance, std::uint32_t, cip::ByteView value) {
-    const auto size = size_of(instance);
-    if (value.size() < size) return cip::GeneralStatus::not_enough_data;
-    if (value.size() > size) return cip::GeneralStatus::too_much_data;
+    const auto wrong = length_status(value, size_of(instance));
+    if (wrong != cip::GeneralStatus::success) return wrong;
     const auto& layout = *assemblies::find_layout(instance);
     if (const auto refusal = assemblies::unpack(layout, value, device_)) return assemblies::to_status(*refusal);
     // Padding reads back as zero (R-ASM-7), so what is kept is what the layout knows.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "adapter/wire_checks.hpp"
 #include "cip/path.hpp"
 #include "cip/services.hpp"
 #include "cip/wire.hpp"
@@ -143,11 +144,9 @@ cip::Status ConnectionManager::get(std::uint32_t, std::uint32_t id, cip::Writer&
 
 // Counters can only be cleared (R-CM-2).
 cip::Status ConnectionManager::set(std::uint32_t, std::uint32_t id, cip::ByteView value) {
-    cip::Reader reader(value);
-    const auto wanted = reader.u16();
-    if (!reader.ok()) return cip::GeneralStatus::not_enough_data;
-    if (reader.remaining() > 0) return cip::GeneralStatus::too_much_data;
-    if (wanted != 0) return cip::GeneralStatus::invalid_attribute_value;
+    const auto wanted = whole_value<std::uint16_t>(value);
+    if (!wanted) return wanted.error();
+    if (*wanted != 0) return cip::GeneralStatus::invalid_attribute_value;
     counters_[id - 1] = 0;
     return {};
 }

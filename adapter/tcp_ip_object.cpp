@@ -232,8 +232,8 @@ cip::Status TcpIpObject::set_select_acd(cip::ByteView value) {
 
 // A conflict can be forgotten, not invented (R-TCP-10).
 cip::Status TcpIpObject::set_last_conflict(cip::ByteView value) {
-    if (value.size() < settings_.last_conflict.size()) return cip::GeneralStatus::not_enough_data;
-    if (value.size() > settings_.last_conflict.size()) return cip::GeneralStatus::too_much_data;
+    const auto wrong = length_status(value, settings_.last_conflict.size());
+    if (wrong != cip::GeneralStatus::success) return wrong;
     if (std::ranges::any_of(value, [](std::uint8_t octet) { return octet != 0; })) {
         return cip::GeneralStatus::invalid_attribute_value;
     }

@@ -8,11 +8,16 @@
 
 namespace servobus::adapter {
 
+/// Whether a value has the octets that it must have.
+[[nodiscard]] inline cip::GeneralStatus length_status(cip::ByteView data, std::size_t size) {
+    if (data.size() < size) return cip::GeneralStatus::not_enough_data;
+    return data.size() > size ? cip::GeneralStatus::too_much_data : cip::GeneralStatus::success;
+}
+
 /// An integer that is the whole value.
 template <cip::Field T>
 [[nodiscard]] boost::system::result<T, cip::GeneralStatus> whole_value(cip::ByteView data) {
-    if (data.size() < sizeof(T)) return cip::GeneralStatus::not_enough_data;
-    if (data.size() > sizeof(T)) return cip::GeneralStatus::too_much_data;
+    if (const auto wrong = length_status(data, sizeof(T)); wrong != cip::GeneralStatus::success) return wrong;
     return cip::Reader(data).little<T>();
 }
 
