@@ -1,14 +1,11 @@
 #include "enip/asio/datagram_socket.hpp"
 
 #include <arpa/inet.h>
-#include <ifaddrs.h>
-#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <cstring>
-#include <memory>
 
 namespace servobus::enip::asio {
 namespace {
@@ -23,36 +20,12 @@ sockaddr_in to_native(Endpoint endpoint) {
     return address;
 }
 
-std::optional<std::uint32_t> ipv4(const sockaddr* address) {
-    if (address == nullptr || address->sa_family != AF_INET) return std::nullopt;
-    sockaddr_in copy{};
-    std::memcpy(&copy, address, sizeof copy);
-    return ntohl(copy.sin_addr.s_addr);
-}
-
 // Room for one in_pktinfo, aligned as a control message must be.
 struct alignas(cmsghdr) Control {
     std::array<char, CMSG_SPACE(sizeof(in_pktinfo))> octets{};
 };
 
 }  // namespace
-
-std::optional<Interface> interface_of(std::uint32_t address) {
-    if (address == 0) return std::nullopt;
-    ifaddrs* list = nullptr;
-    if (::getifaddrs(&list) != 0) return std::nullopt;
-    const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, ::freeifaddrs);
-    for (const auto* entry = list; entry != nullptr; entry = entry->ifa_next) {
-        const auto own = ipv4(entry->ifa_addr);
-        const auto mask = ipv4(entry->ifa_netmask);
-        if (!own || !mask) continue;
-        // The whole of 127.0.0.0/8 belongs to the loopback interface, any other address only to its own.
-        const bool loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0;
-        const bool covered = loopback ? (*own & *mask) == (address & *mask) : *own == address;
-        if (covered) return Interface{::if_nametoindex(entry->ifa_name), *mask, address | ~*mask};
-    }
-    return std::nullopt;
-}
 
 boost::system::error_code DatagramSocket::open(Endpoint local, bool shared) {
     boost::system::error_code error;

@@ -13,16 +13,6 @@
 
 namespace servobus::enip::asio {
 
-/// The interface that an address belongs to: its index, and its subnet. Host order.
-struct Interface {
-    unsigned index = 0;
-    std::uint32_t mask = 0;
-    std::uint32_t broadcast = 0;  ///< the directed broadcast of the subnet
-};
-
-/// Nullopt for 0.0.0.0 and for an address that no interface covers.
-[[nodiscard]] std::optional<Interface> interface_of(std::uint32_t address);
-
 class DatagramSocket {
 public:
     explicit DatagramSocket(const boost::asio::any_io_executor& executor) : socket_(executor) {}

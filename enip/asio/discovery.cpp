@@ -1,7 +1,5 @@
 #include "enip/asio/discovery.hpp"
 
-#include <ifaddrs.h>
-#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
@@ -16,6 +14,7 @@
 #include "cip/wire.hpp"
 #include "enip/asio/asio.hpp"
 #include "enip/asio/client_stream.hpp"
+#include "enip/asio/interfaces.hpp"
 #include "enip/asio/lookup.hpp"
 
 namespace servobus::enip::asio {
@@ -42,41 +41,6 @@ Frame list_identity(milliseconds wait) {
 
 // ---------------------------------------------------------------------------------------------------- broadcast
 
-/// An IPv4 address of this machine and where its interface broadcasts to.
-struct Interface {
-    unsigned index = 0;
-    net::ip::address_v4 address;
-    net::ip::address_v4 broadcast;
-};
-
-std::optional<net::ip::address_v4> address_of(const sockaddr* address) {
-    if (address == nullptr || address->sa_family != AF_INET) return std::nullopt;
-    sockaddr_in in{};
-    std::copy_n(reinterpret_cast<const std::uint8_t*>(address), sizeof in, reinterpret_cast<std::uint8_t*>(&in));
-    return net::ip::address_v4(ntohl(in.sin_addr.s_addr));
-}
-
-/// Loopback has no broadcast flag and still delivers to 127.255.255.255, so the mask counts and not the flag.
-std::optional<Interface> usable(const ifaddrs& entry) {
-    const auto address = address_of(entry.ifa_addr);
-    const auto mask = address_of(entry.ifa_netmask);
-    if (!address || !mask || (entry.ifa_flags & IFF_UP) == 0) return std::nullopt;
-    if ((entry.ifa_flags & (IFF_BROADCAST | IFF_LOOPBACK)) == 0) return std::nullopt;
-    return Interface{if_nametoindex(entry.ifa_name), *address,
-                     net::ip::address_v4(address->to_uint() | ~mask->to_uint())};
-}
-
-std::vector<Interface> interfaces() {
-    std::vector<Interface> found;
-    ifaddrs* list = nullptr;
-    if (getifaddrs(&list) != 0) return found;
-    for (const auto* entry = list; entry != nullptr; entry = entry->ifa_next) {
-        if (const auto interface = usable(*entry)) found.push_back(*interface);
-    }
-    freeifaddrs(list);
-    return found;
-}
-
 /// Sends through every interface and collects until time is up.
 class Broadcast : public std::enable_shared_from_this<Broadcast> {
 public:
@@ -84,7 +48,9 @@ public:
         : executor_(executor), options_(options), done_(std::move(done)), end_(executor), again_(executor) {}
 
     void start() {
-        for (const auto& interface : interfaces()) open(interface);
+        for (const auto& interface : interfaces()) {
+            if (interface.broadcasts) open(interface);
+        }
         send();
         if (!sent_) {
             finish(first_error_ ? first_error_ : net::error::network_down);
@@ -121,7 +87,7 @@ private:
         error_code error;
         outlet->socket.open(udp::v4(), error);
         if (!error) outlet->socket.set_option(net::socket_base::broadcast(true), error);
-        if (!error) outlet->socket.bind({interface.address, 0}, error);
+        if (!error) outlet->socket.bind({net::ip::address_v4(interface.address), 0}, error);
         if (!error) outlet->socket.non_blocking(true, error);
         if (error) {
             if (!first_error_) first_error_ = error;
@@ -137,7 +103,8 @@ private:
     void send() {
         const auto octets = list_identity(options_.wait).encode();
         for (const auto& outlet : outlets_) {
-            for (const auto& address : {outlet->interface.broadcast, net::ip::address_v4::broadcast()}) {
+            for (const auto& address :
+                 {net::ip::address_v4(outlet->interface.broadcast()), net::ip::address_v4::broadcast()}) {
                 error_code error;
                 outlet->socket.send_to(net::buffer(octets), {address, options_.port}, 0, error);
                 if (!error) sent_ = true;

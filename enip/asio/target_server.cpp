@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "enip/asio/datagram_socket.hpp"
+#include "enip/asio/interfaces.hpp"
 #include "enip/encapsulation.hpp"
 
 namespace servobus::enip::asio {
@@ -142,7 +143,7 @@ std::optional<ListenError> TargetServer::Impl::listen(const std::string& address
     if (error) return fail("UDP", local_.port);
     interface_ = interface_of(local_.address);
     if (interface_) {
-        open_broadcast(directed_, interface_->broadcast);
+        open_broadcast(directed_, interface_->broadcast());
         open_broadcast(limited_, 0xFFFFFFFF);
     }
     return std::nullopt;
