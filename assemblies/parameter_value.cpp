@@ -100,6 +100,7 @@ cip::Status to_status(drive::Refusal refusal) {
         case drive::Refusal::wrong_type:
             return cip::GeneralStatus::invalid_attribute_value;
         case drive::Refusal::not_configured:
+        case drive::Refusal::wrong_state:
             return cip::Status(cip::GeneralStatus::vendor_specific, {cip::drive_refuses});
     }
     return cip::Status(cip::GeneralStatus::vendor_specific, {cip::drive_refuses});

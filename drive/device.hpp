@@ -1,15 +1,20 @@
-// A device: an identity, a table, and the state behind both. No bus, no clock, no thread.
+// A device: an identity, a table, and a machine behind both. No bus, no clock, no thread.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "drive/axis_kind.hpp"
+#include "drive/behaviour.hpp"
+#include "drive/event.hpp"
 #include "drive/parameter.hpp"
 #include "drive/refusal.hpp"
 #include "drive/store.hpp"
+#include "drive/time.hpp"
 
 namespace servobus::drive {
 
@@ -40,6 +45,16 @@ struct MotorNames {
     std::string_view rotative;
 };
 
+/// What is connected to a drive. `seed` chooses the noise of what it measures.
+struct Machine {
+    AxisKind axis{};
+    std::uint64_t seed = 1;
+};
+
+struct Model;
+/// Makes the behaviour of a model over its store, which outlives it.
+using MakeBehaviour = std::unique_ptr<Behaviour> (*)(const Model& model, Store& store, const Machine& machine);
+
 /// What is fixed about a kind of drive: a second drive model is a second one of these.
 struct Model {
     std::string_view key;   ///< what `--variant` is given: `75v8s`
@@ -51,6 +66,7 @@ struct Model {
     std::optional<Key> reference_method_row{};  ///< the row whose legal values depend on the motor
     bool has_force_option = false;              ///< rows marked `force_option` answer
     std::optional<MotorNames> motor_names{};    ///< the row that tells the connected motor
+    MakeBehaviour make_behaviour = nullptr;     ///< what the drive does with a machine
 };
 
 /// The connected motor, as far as it decides which reference methods are legal (000 §2.3.4.16, §2.3.2).
@@ -58,33 +74,47 @@ enum class Motor : std::uint8_t { any, linear, rotative };
 
 class Device {
 public:
+    /// A table without a machine: it keeps what is written, and nothing moves.
     explicit Device(Model model, Motor motor = Motor::any);
+    /// The drive with an axis. The model has to have a behaviour.
+    Device(Model model, const Machine& machine, Motor motor = Motor::any);
 
     [[nodiscard]] const Model& model() const { return model_; }
     [[nodiscard]] const Identity& identity() const { return model_.identity; }
-    [[nodiscard]] Store& store() { return store_; }
-    [[nodiscard]] const Store& store() const { return store_; }
+    [[nodiscard]] Store& store() { return *store_; }
+    [[nodiscard]] const Store& store() const { return *store_; }
     [[nodiscard]] Motor motor() const { return motor_; }
+    [[nodiscard]] bool has_machine() const { return behaviour_ != nullptr; }
 
-    [[nodiscard]] const Parameter* find(Key key) const { return store_.find(key); }
+    [[nodiscard]] const Parameter* find(Key key) const { return store_->find(key); }
 
     /// As Store::read, and `not_configured` for a row that this model does not have the hardware for.
     [[nodiscard]] ReadResult read(const Parameter& row) const;
     /// As Store::check, and `not_configured` for what variant or motor do not allow: a missing option comes right after
-    /// access, so that its limits tell nothing; the motor comes last.
+    /// access, so that its limits tell nothing; then the motor, and last what the machine can do now.
     [[nodiscard]] std::optional<Refusal> check(const Parameter& row, const Value& value) const;
+    /// What a bus writes takes effect at once: the state machine has moved and the status word tells it.
     [[nodiscard]] std::optional<Refusal> write(const Parameter& row, Value value);
 
-    /// Back to the state after delivery: printed defaults, and the name of the connected motor.
+    /// Lets time pass. `now` never goes back; the first call only says when the drive was switched on.
+    void step(Time now);
+    /// When step() is wanted at the latest; nullopt while nothing moves.
+    [[nodiscard]] std::optional<Time> next_deadline() const;
+    /// Something happens from outside. Without a machine nothing does.
+    void inject(const Event& event);
+
+    /// Back to the state after delivery: printed defaults, power off and on.
     void reset();
 
 private:
     [[nodiscard]] bool has(const Parameter& row) const { return !row.force_option || model_.has_force_option; }
     [[nodiscard]] bool motor_allows(const Parameter& row, const Value& value) const;
+    void reset_store();
 
     Model model_;
     Motor motor_;
-    Store store_;
+    std::unique_ptr<Store> store_;  ///< the behaviour keeps references into it, also when the device is moved
+    std::unique_ptr<Behaviour> behaviour_;
 };
 
 }  // namespace servobus::drive

@@ -20,6 +20,8 @@ std::string_view describe(Refusal refusal) {
             return "the parameter holds another type";
         case Refusal::not_configured:
             return "this variant, motor or option does not have it";
+        case Refusal::wrong_state:
+            return "the drive cannot do that in its present state";
     }
     return "unknown reason";
 }

@@ -15,6 +15,7 @@ enum class Refusal : std::uint8_t {
     too_long,        ///< more characters than the text holds
     wrong_type,      ///< text for a number, or a number for text
     not_configured,  ///< legal, but not with this variant, motor or option (000 §2.3.2, status 0x1F/0x01)
+    wrong_state,     ///< legal, but not now: no power, no reference, in motion, another mode
 };
 
 /// A short sentence without a full stop, for messages: "the parameter is read only".

@@ -128,6 +128,14 @@ void Store::assign(const Parameter& row, Value value) {
     cells_[cell_of(row)] = std::move(value);
 }
 
+Variable Store::variable(const Parameter& row, std::size_t element) {
+    const std::size_t index = index_of(row);
+    const Parameter& owner = row.same_as ? *find(*row.same_as) : row;
+    require(!row.is_text(), "a text has no variable");
+    require(element < owner.elements, "there is no such element");
+    return Variable(cells_[first_cell_[index] + element]);
+}
+
 void Store::reset() {
     for (std::size_t i = 0; i < table_.size(); ++i) {
         if (!table_[i].same_as) {

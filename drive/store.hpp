@@ -22,6 +22,20 @@ using ReadResult = std::variant<Value, Refusal>;
 /// Whether a row can hold a value at all, whoever brings it: its kind, its limits, its listed values.
 [[nodiscard]] std::optional<Refusal> check_value(const Parameter& row, const Value& value);
 
+/// The number behind a row, for a drive that looks at it ten thousand times a second. Valid as long as its store.
+class Variable {
+public:
+    Variable() = default;
+    explicit Variable(Value& cell) : cell_(&cell) {}
+
+    [[nodiscard]] std::int64_t get() const { return *std::get_if<std::int64_t>(cell_); }
+    /// The caller keeps it inside the row's type.
+    void set(std::int64_t number) { *std::get_if<std::int64_t>(cell_) = number; }
+
+private:
+    Value* cell_ = nullptr;
+};
+
 /// Values of one table. Rows with the same variable (`same_as`) share one cell; rows chosen by a selector
 /// (NIX, NIF, ...) have one cell per element and show the selected one.
 /// Every `Parameter` given must be a row of the table that the store was built with.
@@ -50,6 +64,9 @@ public:
 
     /// The drive's own change of a row (status, actual values). The caller keeps it inside the type.
     void assign(const Parameter& row, Value value);
+
+    /// The variable behind a row of numbers; element `element` (from 0) of a selected row, whatever its selector says.
+    [[nodiscard]] Variable variable(const Parameter& row, std::size_t element = 0);
 
     /// Back to the printed defaults.
     void reset();

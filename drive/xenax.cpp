@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "drive/xenax_drive.hpp"
 #include "drive/xenax_table.hpp"
 
 namespace servobus::drive {
@@ -147,6 +148,7 @@ Model variant(std::string_view key, std::uint16_t product_code, std::string_view
         .reference_method_row = Key{0x66, 0x58},
         .has_force_option = has_force_option,
         .motor_names = MotorNames{.row = {0x64, 0x08}, .linear = "230101", .rotative = "rotative"},
+        .make_behaviour = &XenaxDrive::make,
     };
 }
 

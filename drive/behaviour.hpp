@@ -1,0 +1,38 @@
+// What a device does beyond keeping values: the machine behind the table.
+#pragma once
+
+#include <optional>
+
+#include "drive/event.hpp"
+#include "drive/parameter.hpp"
+#include "drive/refusal.hpp"
+#include "drive/store.hpp"
+#include "drive/time.hpp"
+
+namespace servobus::drive {
+
+/// It reads and writes the store that it was made with, and keeps the rows that it computes up to date there.
+class Behaviour {
+public:
+    virtual ~Behaviour() = default;
+
+    /// Whether the drive takes this legal value in its present state. Changes nothing.
+    [[nodiscard]] virtual std::optional<Refusal> check(const Parameter& row, const Value& value) const = 0;
+    /// A bus has written this row; the store holds the value.
+    virtual void written(const Parameter& row) = 0;
+    /// Time has come to `now`; the first call only starts it.
+    virtual void step(Time now) = 0;
+    /// When it wants to be stepped at the latest, while something moves; nullopt when nothing does.
+    [[nodiscard]] virtual std::optional<Time> next_deadline() const = 0;
+    /// Something happens to it from outside.
+    virtual void inject(const Event& event) = 0;
+    /// Logic power off and on. The store has just been reset.
+    virtual void power_up() = 0;
+
+protected:
+    Behaviour() = default;
+    Behaviour(const Behaviour&) = default;
+    Behaviour& operator=(const Behaviour&) = default;
+};
+
+}  // namespace servobus::drive

@@ -1,0 +1,168 @@
+// Power, faults and messages of the XENAX: what the transitions of its state machine do (004 §4.1).
+#include <algorithm>
+#include <cmath>
+
+#include "drive/xenax_drive.hpp"
+
+namespace servobus::drive {
+
+namespace {
+
+constexpr std::int64_t periods_per_ms = 1000 / control_period.count();
+constexpr double lowest_supply = 18;
+constexpr double highest_supply = 85;
+constexpr double stage_temperature_after_reset = 80;
+
+}  // namespace
+
+bool XenaxDrive::allows(const Ds402::Transition& transition) {
+    switch (transition.number) {
+        case 3:
+            return !safety_.sto() && axis_.supply_voltage() >= lowest_supply && !signals_.emergency_exit;
+        case 4:
+            if (has_brake() && axis_.brake() && brake_periods_ == 0) {
+                brake_periods_ = static_cast<int>(v_.brake_delay.get() * periods_per_ms);
+                enable_axis();
+            }
+            return !safety_.sto() && brake_periods_ == 0;
+        case 15:
+            return error_ == nullptr || !cause_remains(*error_);
+        default:
+            return true;
+    }
+}
+
+void XenaxDrive::happened(const Ds402::Transition& transition) {
+    switch (transition.number) {
+        case 3:
+            inverter_on_ = v_.switch_on_disable.get() == 0;
+            break;
+        case 4:
+            enable_axis();
+            break;
+        case 5:
+        case 6:
+        case 7:
+        case 8:
+        case 9:
+        case 10:
+        case 12:
+        case 14:
+            disable_axis();
+            inverter_on_ = transition.number == 5;
+            break;
+        case 11:
+            quick_stop_ramp();
+            break;
+        case 13: {
+            reaction_periods_ = 0;
+            const bool ramps = error_ != nullptr && error_->reaction == xenax::Reaction::ramp_down && axis_.is_on();
+            keeps_fault_power_ = ramps;
+            abort_motion();
+            if (ramps) {
+                // From where the axis really is: its set point may be far away.
+                axis_.catch_up();
+                quick_stop_ramp();
+            } else {
+                disable_axis();
+            }
+            break;
+        }
+        case 15:
+            clear_messages();
+            break;
+        default:
+            break;
+    }
+}
+
+void XenaxDrive::enable_axis() {
+    inverter_on_ = true;
+    power_off_periods_ = 0;
+    if (!axis_.is_on()) axis_.switch_on();
+    if (brake_periods_ == 0) axis_.set_brake(false);
+    if (!needs_reference()) phased_ = true;
+    target_reached_ = limited_ = false;
+    process_periods_ = 0;
+    reference_done_ = reference_done_ && v_.mode_displayed.get() == 6;
+    axis_.settings().position_control = true;
+    axis_.settings().cogging_compensation = calibrated_;
+}
+
+/// The current goes at once, or after the brake has had the time to close (BRKD).
+void XenaxDrive::disable_axis() {
+    abort_motion();
+    monitor_.finish();
+    motion_current_limit_.reset();
+    motion_force_limit_.reset();
+    target_reached_ = in_force_ = false;
+    brake_periods_ = 0;
+    inverter_on_ = false;
+    const bool holds = has_brake() && axis_.is_on() && !safety_.sto() && !axis_.encoder_lost();
+    if (has_brake()) axis_.set_brake(true);
+    power_off_periods_ = holds ? static_cast<int>(v_.brake_delay.get() * periods_per_ms) : 0;
+    if (power_off_periods_ == 0) axis_.switch_off();
+    change_mode_if_standing();
+}
+
+/// An output that releases a holding brake.
+bool XenaxDrive::has_brake() const {
+    return std::ranges::find(output_settings_.functions, static_cast<std::int64_t>(OutputFunction::brake_released)) !=
+           output_settings_.functions.end();
+}
+
+/// PW, PWC and REF stand for the control words that lead to Operation enabled; after an error they reset it as well
+/// (004 §4.2.7).
+void XenaxDrive::power_on_locally() {
+    using enum Ds402::Event;
+    for (const auto event : {fault_reset, shutdown, switch_on, enable_operation}) {
+        if (machine_.state() == Ds402::State::operation_enabled) return;
+        machine_.on_event(event, *this);
+    }
+}
+
+void XenaxDrive::power_off_locally() { machine_.on_event(Ds402::Event::disable_voltage, *this); }
+
+void XenaxDrive::raise(const xenax::Message& message) {
+    if (error_ != nullptr) return;
+    error_ = &message;
+    machine_.on_event(Ds402::Event::fault_detected, *this);
+}
+
+void XenaxDrive::report(const xenax::Message& message) {
+    auto& place = message.severity == xenax::Severity::information ? information_ : warning_;
+    place = &message;
+}
+
+void XenaxDrive::withdraw(const xenax::Message& message) {
+    if (warning_ == &message) warning_ = nullptr;
+    if (information_ == &message) information_ = nullptr;
+}
+
+void XenaxDrive::clear_messages() {
+    error_ = warning_ = information_ = nullptr;
+    following_failed_ = false;
+    safety_.forget_hits();
+    power_stage_failed_ = false;
+}
+
+/// Whether what a message tells is still so.
+bool XenaxDrive::cause_remains(const xenax::Message& message) const {
+    if (!message.persists) return false;
+    const Heat& heat = axis_.heat();
+    if (message.name == "over_temperature_motor") return heat.winding() > axis_.kind().temperature_limit - 5;
+    if (message.name == "over_temperature_power_stage") return heat.power_stage() > stage_temperature_after_reset;
+    if (message.name == "i2t") return heat.i2t() > 0.95 * heat.i2t_limit();
+    if (message.name == "under_voltage") return axis_.supply_voltage() < lowest_supply;
+    if (message.name == "over_voltage") return axis_.supply_voltage() > highest_supply;
+    if (message.name == "encoder_lost") return axis_.encoder_lost();
+    if (message.name == "emergency_exit") return signals_.emergency_exit;
+    if (message.name == "emergency_exit_power_on") return signals_.emergency_exit_power_on;
+    if (message.name == "sto") return safety_.sto();
+    if (message.name == "ss1") return safety_.ss1();
+    if (message.name == "ss2") return safety_.ss2();
+    if (message.name == "sls") return safety_.sls();
+    return false;
+}
+
+}  // namespace servobus::drive
