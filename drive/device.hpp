@@ -11,6 +11,7 @@
 #include "drive/axis_kind.hpp"
 #include "drive/behaviour.hpp"
 #include "drive/event.hpp"
+#include "drive/motion_memory.hpp"
 #include "drive/parameter.hpp"
 #include "drive/refusal.hpp"
 #include "drive/store.hpp"
@@ -35,6 +36,8 @@ struct DirectCommand {
     std::string_view mnemonic;  ///< `REF`; empty where the manual gives none
     std::string_view name;      ///< one word, for people without a mnemonic: `StartForceMonitoring`
     std::string_view text;
+    Fidelity fidelity = Fidelity::behaves;
+    std::string_view remark{};  ///< what it does instead, or what is different; a sentence
 };
 
 /// The row that tells which motor is connected, and what it says for each kind (000 §2.3.1.6). The printed default
@@ -45,10 +48,11 @@ struct MotorNames {
     std::string_view rotative;
 };
 
-/// What is connected to a drive. `seed` chooses the noise of what it measures.
+/// What is connected to a drive, and what it has stored. `seed` chooses the noise of what it measures.
 struct Machine {
     AxisKind axis{};
     std::uint64_t seed = 1;
+    MotionMemory memory{};
 };
 
 struct Model;

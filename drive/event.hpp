@@ -59,6 +59,10 @@ struct SetSupply {
 struct SetTemperature {
     double celsius = 25;
 };
+/// The master that SR couples the axis to: increment/s of its encoder; 0 stops it.
+struct TurnMaster {
+    double speed = 0;
+};
 /// The power stage drops out by itself.
 struct CutPowerStage {};
 /// Logic power off and on again: everything that is not stored is forgotten.
@@ -71,6 +75,6 @@ namespace servobus::drive {
 using Event =
     std::variant<event::PutObstacle, event::RemoveObstacle, event::BlockAxis, event::SetPayload, event::PushAxis,
                  event::SetInput, event::LimitSwitch, event::EmergencyExit, event::SafetyStop, event::LoseEncoder,
-                 event::SetSupply, event::SetTemperature, event::CutPowerStage, event::PowerCycle>;
+                 event::SetSupply, event::SetTemperature, event::TurnMaster, event::CutPowerStage, event::PowerCycle>;
 
 }  // namespace servobus::drive

@@ -59,6 +59,8 @@ void XenaxDrive::power_up() {
     reference_done_ = reference_failed_ = following_failed_ = limited_ = target_reached_ = false;
     in_force_ = force_limit_reached_ = calibrated_ = false;
     force_offset_ = measured_force_zero_ = 0;
+    program_ = nullptr;
+    program_paused_ = false;
     error_ = warning_ = information_ = nullptr;
     capture_ = {};
     trigger_ = {};
@@ -101,7 +103,8 @@ std::optional<Time> XenaxDrive::next_deadline() const {
 /// Nothing would change until somebody does something.
 bool XenaxDrive::idle() const {
     const bool waits = brake_periods_ > 0 || power_off_periods_ > 0 || auto_program_periods_ >= 0 ||
-                       trigger_.active() || waiting_move_ || buffered_target_;
+                       trigger_.active() || waiting_move_ || buffered_target_ || program_ != nullptr ||
+                       master_speed_ != 0;
     const bool works = motion_ != Motion::none && motion_ != Motion::following;
     const bool settles = axis_.is_on() && (in_motion() || !target_settled());
     const bool harmless = std::abs(axis_.current()) < harmless_share * axis_.kind().nominal_current;
@@ -123,7 +126,9 @@ void XenaxDrive::period() {
     after_motion();
     watch_target_window();
     supervise();
-    if (auto_program_periods_ >= 0 && auto_program_periods_-- == 0) report(xenax::message("program_empty"));
+    if (auto_program_periods_ >= 0 && auto_program_periods_-- == 0) begin_program(v_.auto_program.get());
+    run_program();
+    follow_master();
     if (power_off_periods_ > 0 && --power_off_periods_ == 0) axis_.switch_off();
     if (brake_periods_ > 0 && --brake_periods_ == 0) {
         axis_.set_brake(false);
@@ -207,6 +212,7 @@ void XenaxDrive::after_motion() {
     }
     motion_ = Motion::none;
     if (v_.mode_displayed.get() != 8) monitor_.finish();
+    if (next_profile_part()) return;
     change_mode_if_standing();
 }
 
@@ -469,6 +475,7 @@ void XenaxDrive::inject(const Event& event) {
                    },
                    [&](const event::SetSupply& it) { axis_.set_supply_voltage(it.volts); },
                    [&](const event::SetTemperature& it) { axis_.heat().set_surroundings(it.celsius); },
+                   [&](const event::TurnMaster& it) { master_speed_ = it.speed; },
                    [&](const event::CutPowerStage&) { power_stage_failed_ = inverter_on_; },
                    [&](const event::PowerCycle&) {
                        // Parameters are kept, commands are not.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "drive/axis.hpp"
 #include "drive/behaviour.hpp"
@@ -46,7 +47,8 @@ private:
         jog,
         stopping,  ///< halt, or the end of a jog
         quick_stop,
-        following,  ///< cyclic synchronous position
+        following,    ///< cyclic synchronous position
+        synchronous,  ///< in step with a master (SR)
         procedure,
     };
     enum class ProcedureKind : std::uint8_t {
@@ -102,6 +104,18 @@ private:
     void on_request(const InputRequest& request);
     void reset_parameters();
     void reset_motor_parameters();
+
+    /// What follows from a write that has been checked.
+    void take(const Parameter& row);
+
+    // xenax_program.cpp: motions that follow from one another
+    void begin_program(std::int64_t number);
+    void begin_profile(std::int64_t number);
+    bool next_profile_part();
+    void run_program();
+    [[nodiscard]] bool execute(const ProgramStep& step);
+    [[nodiscard]] double override_share() const;
+    void follow_master();
 
     // xenax_modes.cpp: control word and modes
     void on_control_word(std::uint16_t word);
@@ -208,6 +222,19 @@ private:
     std::int64_t motion_periods_ = 0;
     std::int64_t process_periods_ = 0;
     std::int64_t auto_program_periods_ = -1;
+
+    // Programs, profiles, master
+    const std::vector<ProgramStep>* program_ = nullptr;  ///< in connected_
+    std::size_t program_step_ = 0;
+    std::int64_t program_wait_periods_ = 0;
+    bool program_paused_ = false;
+    const std::vector<ProfilePart>* profile_parts_ = nullptr;  ///< in connected_
+    std::size_t profile_part_ = 0;
+    double master_speed_ = 0;     ///< increment/s
+    double master_position_ = 0;  ///< increments
+    double coupled_position_ = 0;
+    double coupled_master_ = 0;
+    double coupled_ratio_ = 0;
 
     // Wires
     std::uint16_t levels_ = 0;

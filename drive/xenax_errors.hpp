@@ -138,6 +138,11 @@ inline constexpr std::array message_table{
 /// The message that the program itself means: a wrong name does not compile.
 [[nodiscard]] consteval const Message& message(std::string_view name) { return *find_message(name); }
 
+/// TESM tells it as well.
+[[nodiscard]] constexpr bool is_of_safety_unit(const Message& message) {
+    return message.number >= 70 && message.number <= 79;
+}
+
 /// What TES says about a number: its text, "no error" for 0, and one sentence for what the table does not have.
 [[nodiscard]] std::string_view error_text(std::int64_t number);
 

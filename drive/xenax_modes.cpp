@@ -252,6 +252,7 @@ void XenaxDrive::begin_stop() {
     const double speed = std::max(std::abs(axis_.set_point().velocity), 10.0);
     const bool curved = motion_ == Motion::positioning;
     waiting_move_.reset();
+    profile_parts_ = nullptr;
     motion_ = Motion::stopping;
     axis_.stop(acceleration, curved ? limits_of(speed, acceleration).jerk : ramp_jerk(acceleration, speed));
 }
@@ -327,6 +328,7 @@ void XenaxDrive::abort_motion() {
     procedure_kind_ = ProcedureKind::none;
     waiting_move_.reset();
     buffered_target_.reset();
+    profile_parts_ = nullptr;
     motion_ = Motion::none;
 }
 

@@ -92,6 +92,7 @@ void XenaxDrive::enable_axis() {
 /// The current goes at once, or after the brake has had the time to close (BRKD).
 void XenaxDrive::disable_axis() {
     abort_motion();
+    program_ = nullptr;
     monitor_.finish();
     motion_current_limit_.reset();
     motion_force_limit_.reset();

@@ -87,15 +87,14 @@ std::uint32_t XenaxDrive::process_status() const {
     const bool gantry = v_.reference_method.get() >= 3 && v_.reference_method.get() <= 6;
     const bool load_cell = measured_limit() > 0;
     return bit(0, error_ != nullptr) | bit(1, referenced_) | bit(2, in_motion()) | bit(3, in_position()) |
-           bit(4, true) |  // no program runs
-           bit(5, in_force_) | bit(6, monitor_.in_sector(axis_.position())) | bit(7, monitor_.passed()) |
-           bit(8, inverter_on_) | bit(9, gantry && referenced_) | bit(10, signals_.negative_limit_switch) |
-           bit(11, signals_.positive_limit_switch) | bit(12, signals_.emergency_exit_power_on) |
-           bit(13, signals_.emergency_exit) | bit(14, calibrates) | bit(15, force_limit_reached_ && !load_cell) |
-           bit(16, safety_.sto()) | bit(17, safety_.ss1()) | bit(18, safety_.ss2()) | bit(19, safety_.ss2_hit()) |
-           bit(20, safety_.sls()) | bit(21, safety_.sls_speed_hit()) | bit(23, warning_ != nullptr) |
-           bit(24, information_ != nullptr) | bit(25, phased_) | bit(26, drifts) |
-           bit(27, load_cell && limiter_.reached());
+           bit(4, program_ == nullptr) | bit(5, in_force_) | bit(6, monitor_.in_sector(axis_.position())) |
+           bit(7, monitor_.passed()) | bit(8, inverter_on_) | bit(9, gantry && referenced_) |
+           bit(10, signals_.negative_limit_switch) | bit(11, signals_.positive_limit_switch) |
+           bit(12, signals_.emergency_exit_power_on) | bit(13, signals_.emergency_exit) | bit(14, calibrates) |
+           bit(15, force_limit_reached_ && !load_cell) | bit(16, safety_.sto()) | bit(17, safety_.ss1()) |
+           bit(18, safety_.ss2()) | bit(19, safety_.ss2_hit()) | bit(20, safety_.sls()) |
+           bit(21, safety_.sls_speed_hit()) | bit(23, warning_ != nullptr) | bit(24, information_ != nullptr) |
+           bit(25, phased_) | bit(26, drifts) | bit(27, load_cell && limiter_.reached());
 }
 
 OutputFlags XenaxDrive::output_flags() const {
@@ -104,7 +103,7 @@ OutputFlags XenaxDrive::output_flags() const {
     flags.reference = referenced_;
     flags.in_motion = in_motion();
     flags.in_position = in_position();
-    flags.end_of_program = true;
+    flags.end_of_program = program_ == nullptr;
     flags.in_force = in_force_;
     flags.in_sector = monitor_.in_sector(axis_.position());
     flags.force_in_sector = monitor_.passed();
@@ -174,6 +173,7 @@ void XenaxDrive::publish_inputs_and_outputs() {
 void XenaxDrive::publish_messages() {
     const xenax::Message* shown = error_ != nullptr ? error_ : warning_ != nullptr ? warning_ : information_;
     v_.error_number.set(shown == nullptr ? 0 : shown->number);
+    v_.safety_error.set(error_ != nullptr && xenax::is_of_safety_unit(*error_) ? error_->number : 0);
     if (shown == shown_) return;
     shown_ = shown;
     v_.store.assign(*error_text_row_, std::string(shown == nullptr ? xenax::no_error_text : shown->text));

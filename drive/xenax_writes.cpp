@@ -80,7 +80,9 @@ bool is_rotative(const AxisKind& kind) { return kind.motion == AxisKind::Motion:
 std::optional<Refusal> XenaxDrive::check(const Parameter& row, const Value& value) const {
     const Key key = row.key();
     if (key == direct_command) return check_command(static_cast<std::uint32_t>(std::get<std::int64_t>(value)));
-    if (key == go_immediately || key == start_index_row || key == drive_i_force || key == drive_force) {
+    const bool moves = key == go_immediately || key == start_index_row || key == start_profile ||
+                       key == drive_i_force || key == drive_force;
+    if (moves) {
         return check_motion();
     }
     if (key == cogging_drive) return check_command(static_cast<std::uint32_t>(Command::fc));
@@ -206,6 +208,7 @@ void XenaxDrive::execute(std::uint32_t number) {
             begin_jog(static_cast<Command>(number) == Command::jp);
             break;
         case Command::sm:
+            program_ = nullptr;
             if (motion_ != Motion::none && v_.mode_displayed.get() != 8) begin_stop();
             break;
         case Command::gz: {
@@ -278,8 +281,13 @@ void XenaxDrive::execute(std::uint32_t number) {
 }
 
 void XenaxDrive::written(const Parameter& row) {
-    const Key key = owner_of(row);
     if (row.is_text()) return;
+    take(row);
+    publish();
+}
+
+void XenaxDrive::take(const Parameter& row) {
+    const Key key = owner_of(row);
     if (key == decltype(v_.control_word)::key) {
         on_control_word(static_cast<std::uint16_t>(v_.control_word.get()));
     } else if (key.class_id == 0x65 && row.access == Access::set) {
@@ -287,7 +295,6 @@ void XenaxDrive::written(const Parameter& row) {
     } else {
         written_parameter(key);
     }
-    publish();
 }
 
 void XenaxDrive::written_command(Key key, std::int64_t value) {
@@ -314,9 +321,9 @@ void XenaxDrive::written_command(Key key, std::int64_t value) {
     } else if (key == start_index_row) {
         start_index(value);
     } else if (key == start_program) {
-        report(xenax::message("program_empty"));
+        begin_program(value);
     } else if (key == start_profile) {
-        report(xenax::message("profile_empty"));
+        begin_profile(value);
     } else if (key == drive_i_force) {
         start_force_drive(value, false);
     } else if (key == drive_force) {
@@ -411,11 +418,13 @@ void XenaxDrive::on_request(const InputRequest& request) {
         case InputAction::start_index:
             return motion([&] { start_index(std::clamp(request.a, 0, 50)); });
         case InputAction::start_program:
+            return begin_program(request.a);
         case InputAction::interrupt_program:
         case InputAction::continue_program:
-            return report(xenax::message("program_empty"));
+            program_paused_ = request.action == InputAction::interrupt_program;
+            return;
         case InputAction::start_profile:
-            return report(xenax::message("profile_empty"));
+            return motion([&] { begin_profile(request.a); });
         case InputAction::jog_positive:
             return command(Command::jp);
         case InputAction::jog_negative:

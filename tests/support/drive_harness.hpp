@@ -27,6 +27,10 @@ public:
         : device_(*drive::xenax_model(variant), drive::Machine{axis, seed}) {
         device_.step(now_);
     }
+    explicit DriveHarness(const drive::Machine& machine, std::string_view variant = "75v8s")
+        : device_(*drive::xenax_model(variant), machine) {
+        device_.step(now_);
+    }
 
     drive::Device& device() { return device_; }
     drive::Time now() const { return now_; }
