@@ -49,6 +49,13 @@ enum class Access : std::uint8_t { get, set, get_set };
 /// How a person reads the number: as a count, as a bit pattern, or as an IPv4 address.
 enum class Form : std::uint8_t { number, bits, ipv4 };
 
+/// How true the virtual drive is to a row or a command.
+enum class Fidelity : std::uint8_t {
+    behaves,  ///< it does, or tells, what its text says
+    stored,   ///< it keeps what is written, and nothing can be seen of it
+    fixed,    ///< it tells one value for ever
+};
+
 /// Where CIP finds the row (class, instance, attribute) and the type it has there.
 struct CipAddress {
     std::uint16_t class_id;
@@ -95,6 +102,8 @@ struct Parameter {
     std::optional<Key> same_as{};      ///< a second address of the variable of that row
     std::optional<Key> selected_by{};  ///< that row (NIX, NSEC, ...) chooses which element this row shows
     std::uint16_t elements = 1;        ///< how many elements a selected row has
+    Fidelity fidelity = Fidelity::behaves;
+    std::string_view remark{};         ///< why it is not, or what is different; a sentence
     std::string_view section;          ///< "000 §2.3.1.1"
     std::string_view text;             ///< one or two sentences for the engineer
 

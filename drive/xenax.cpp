@@ -88,6 +88,19 @@ constexpr bool od_limits_are_legal(const Parameter& row) {
     return lowest(row.od->type) <= low && low <= standard && standard <= high && high <= highest(row.od->type);
 }
 
+/// What does not behave says why; only what can be set is stored, and only what can be read is fixed.
+constexpr bool fidelity_is_explained(const Parameter& row) {
+    switch (row.fidelity) {
+        case Fidelity::behaves:
+            return true;
+        case Fidelity::stored:
+            return !row.remark.empty() && may_set(row.access);
+        case Fidelity::fixed:
+            return !row.remark.empty() && (row.access == Access::get || row.low == row.high);
+    }
+    return false;
+}
+
 constexpr bool second_address_is_sound(const Parameter& row) {
     if (!row.same_as) {
         return true;
@@ -99,7 +112,7 @@ constexpr bool second_address_is_sound(const Parameter& row) {
     const Parameter& owner = parameter_table[index];
     return !owner.same_as && owner.standard == row.standard && owner.is_text() == row.is_text() &&
            owner.access == row.access && owner.unit == row.unit && owner.force_option == row.force_option &&
-           !row.selected_by;
+           owner.fidelity == row.fidelity && !row.selected_by;
 }
 
 constexpr bool selection_is_sound(const Parameter& row) {
@@ -125,6 +138,7 @@ static_assert(std::ranges::all_of(parameter_table, listed_values_are_legal));
 static_assert(std::ranges::all_of(parameter_table, od_limits_are_legal));
 static_assert(std::ranges::all_of(parameter_table, second_address_is_sound));
 static_assert(std::ranges::all_of(parameter_table, selection_is_sound));
+static_assert(std::ranges::all_of(parameter_table, fidelity_is_explained));
 static_assert(std::ranges::adjacent_find(direct_command_table, std::ranges::greater_equal{}, &DirectCommand::value) ==
               direct_command_table.end());
 

@@ -13,7 +13,8 @@ inline constexpr std::array<DirectCommand, 31> direct_command_table{{
     // Reference
     {0x1000, "REF",   "Reference",
      "Runs the reference drive. A linear axis needs it after every power-on, a rotative one may do without."},
-    {0x1020, "RSTO",  "LimitStop", "References a linear axis against its mechanical stop."},
+    {0x1020, "RSTO",  "LimitStop", "References a linear axis against its mechanical stop.",
+     Fidelity::behaves, "The position becomes MLPP or MLPN, as DRHR says which stop."},
     {0x1030, "MLC",   "MechanicalLimitCalibration", "Drives to the mechanical stops and stores their positions."},
     {0x1050, "AREF1", "AutomaticReference",
      "Makes the drive reference by itself when reference mode is entered. Reserved in the EtherNet/IP manual."},
@@ -31,19 +32,23 @@ inline constexpr std::array<DirectCommand, 31> direct_command_table{{
     {0x3020, "JP",    "JogPositive", "Moves in positive direction until it is stopped."},
     {0x3030, "JN",    "JogNegative", "Moves in negative direction until it is stopped."},
     {0x3040, "SM",    "StopMotion", "Stops the running motion."},
-    {0x3050, "GZ",    "RotateToZMark", "Turns a rotative motor to the Z-mark of its encoder."},
+    {0x3050, "GZ",    "RotateToZMark", "Turns a rotative motor to the Z-mark of its encoder.",
+     Fidelity::behaves, "The nearest one."},
 
     // Force calibration
     {0x4000, "FC",    "ForceCalibration",
-     "Drives the distance WA forward and back and records cogging and friction, to compensate them later."},
+     "Drives the distance WA forward and back and records cogging and friction, to compensate them later.",
+     Fidelity::behaves, "What is learned is exact."},
     {0x4001, "FCT1",  "ForceCalibrationTestModeOn", "Tests the force calibration with its compensation active."},
     {0x4002, "FCT0",  "ForceCalibrationTestModeOff", "Ends a force calibration test; the position controller is active."},
     {0x4003, "FCT2",  "ForceCalibrationTestModeOnWithoutCompensation",
      "Tests the force calibration with its compensation inactive."},
     {0x4010, "IFDCP", "IForceDriftCompensationPositive",
-     "Starts a drive in positive direction that compensates the drift of I_Force."},
+     "Starts a drive in positive direction that compensates the drift of I_Force.",
+     Fidelity::behaves, "Over 2,000 increments and back; how far the drive goes is not printed."},
     {0x4011, "IFDCN", "IForceDriftCompensationNegative",
-     "Starts a drive in negative direction that compensates the drift of I_Force."},
+     "Starts a drive in negative direction that compensates the drift of I_Force.",
+     Fidelity::behaves, "Over 2,000 increments and back; how far the drive goes is not printed."},
 
     // Initialisation
     {0x5000, "RES",   "Reset", "Sets all parameters back to their defaults."},
@@ -54,7 +59,8 @@ inline constexpr std::array<DirectCommand, 31> direct_command_table{{
     {0x5016, "CP120", "CapturedPositionInput12Off", "Ends what CP121 began."},
     {0x5020, "CLPO",  "ClearPositionCounter", "Makes the actual position of a rotative motor zero."},
     {0x5030, "DMBUS", "DeactivateMotionBlockingByUnconfiguredSMU",
-     "Lets the axis move although the safety motion unit is not configured. Only in the bus coupling manual."},
+     "Lets the axis move although the safety motion unit is not configured. Only in the bus coupling manual.",
+     Fidelity::stored, "The safety unit of this drive is configured."},
 
     // Force control
     {0x6000, "",      "StartForceMonitoring", "Begins force monitoring in cyclic synchronous position mode."},
