@@ -60,7 +60,7 @@ public:
     /// The datagrams that are due.
     [[nodiscard]] virtual std::vector<Datagram> take_datagrams() = 0;
 
-    /// To be called at or after next_deadline().
+    /// To be called when serving starts, and at or after next_deadline().
     virtual void on_timer(Time now) = 0;
     [[nodiscard]] virtual std::optional<Time> next_deadline() const = 0;
 

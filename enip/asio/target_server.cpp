@@ -17,10 +17,13 @@
 #include <boost/asio/write.hpp>
 #include <chrono>
 #include <map>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "enip/asio/datagram_socket.hpp"
 #include "enip/asio/interfaces.hpp"
+#include "enip/asio/line_server.hpp"
 #include "enip/encapsulation.hpp"
 
 namespace servobus::enip::asio {
@@ -66,6 +69,7 @@ public:
           signals_(context_) {}
 
     std::optional<ListenError> listen(const std::string& address, std::uint16_t port);
+    std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
     [[nodiscard]] Endpoint local() const { return local_; }
     [[nodiscard]] std::uint32_t subnet_mask() const { return interface_ ? interface_->mask : 0; }
     void catch_signals();
@@ -106,6 +110,7 @@ private:
     Endpoint local_;
     std::optional<Interface> interface_;
     std::map<Target::ConnectionId, tcp::socket*> sockets_;
+    std::vector<std::unique_ptr<LineServer>> lines_;
     std::optional<Time> armed_;
     std::function<void()> stopping_;
     bool stopped_ = false;
@@ -158,6 +163,15 @@ void TargetServer::Impl::open_broadcast(DatagramSocket& socket, std::uint32_t ad
     }
 }
 
+std::optional<ListenError> TargetServer::Impl::serve_lines(const LineService& service, const std::string& where) {
+    auto server = std::make_unique<LineServer>(
+        context_.get_executor(), service, [this] { after_event(); }, [this](const std::string& line) { report(line); });
+    auto reason = where == "-" ? server->use_standard_streams() : server->listen(where);
+    if (reason) return ListenError{*std::move(reason)};
+    lines_.push_back(std::move(server));
+    return std::nullopt;
+}
+
 void TargetServer::Impl::catch_signals() {
     error_code error;
     signals_.add(SIGINT, error);
@@ -176,6 +190,7 @@ void TargetServer::Impl::run(const std::function<void()>& stopping) {
     if (directed_.socket().is_open()) net::co_spawn(context_, datagrams(directed_), net::detached);
     if (limited_.socket().is_open()) net::co_spawn(context_, datagrams(limited_), net::detached);
     net::co_spawn(context_, timer(), net::detached);
+    for (const auto& lines : lines_) lines->start();
     context_.run();
 }
 
@@ -207,8 +222,7 @@ net::awaitable<void> TargetServer::Impl::serve(tcp::socket socket) {
     const auto id = target_.on_open(peer, local, clock_now());
     if (!id) co_return;
     sockets_[*id] = &socket;
-    close_expired();  // those that have made room for this one
-    after_event();
+    after_event();  // others may have made room for this one
     co_await exchange(socket, *id);
     sockets_.erase(*id);
     target_.on_closed(*id, clock_now());
@@ -225,6 +239,7 @@ net::awaitable<void> TargetServer::Impl::exchange(tcp::socket& socket, Target::C
         while (!octets.empty()) {
             octets = octets.subspan(target_.on_octets(id, octets, clock_now()));
             const auto replies = target_.take_replies(id);
+            after_event();  // not later: the peer may take its time with the replies
             if (!replies.empty()) {
                 const auto [failed, written] = co_await net::async_write(socket, net::buffer(replies), awaited);
                 if (failed) co_return;
@@ -236,7 +251,6 @@ net::awaitable<void> TargetServer::Impl::exchange(tcp::socket& socket, Target::C
                 co_return;
             }
         }
-        after_event();
     }
 }
 
@@ -278,6 +292,9 @@ net::awaitable<void> TargetServer::Impl::datagrams(DatagramSocket& socket) {
 }
 
 net::awaitable<void> TargetServer::Impl::timer() {
+    if (stopped_) co_return;
+    target_.on_timer(clock_now());
+    after_event();
     while (!stopped_) {
         timer_.expires_at(armed_.value_or(Time::max()));
         static_cast<void>(co_await timer_.async_wait(awaited));
@@ -295,6 +312,7 @@ net::awaitable<void> TargetServer::Impl::timer() {
 
 void TargetServer::Impl::after_event() {
     flush_datagrams();
+    close_expired();
     // A deadline that moved later is noticed when the timer fires; only an earlier one needs a new start.
     const auto next = target_.next_deadline();
     if (next && (!armed_ || *next < *armed_)) {
@@ -328,6 +346,7 @@ void TargetServer::Impl::shut_down() {
     for (auto* socket : {&unicast_, &directed_, &limited_}) socket->close();
     timer_.cancel();
     signals_.cancel(ignored);
+    for (const auto& lines : lines_) lines->stop();
     close_expired();
     for (auto& [id, socket] : sockets_) {
         socket->shutdown(tcp::socket::shutdown_both, ignored);
@@ -342,6 +361,10 @@ TargetServer::~TargetServer() = default;
 
 std::optional<ListenError> TargetServer::listen(const std::string& address, std::uint16_t port) {
     return impl_->listen(address, port);
+}
+
+std::optional<ListenError> TargetServer::serve_lines(const LineService& service, const std::string& where) {
+    return impl_->serve_lines(service, where);
 }
 
 Endpoint TargetServer::local() const { return impl_->local(); }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "enip/asio/line_service.hpp"
 #include "enip/target.hpp"
 
 namespace servobus::enip::asio {
@@ -31,6 +32,10 @@ public:
     [[nodiscard]] Endpoint local() const;
     /// The mask of the subnet that local() is in; 0 when it listens at all addresses.
     [[nodiscard]] std::uint32_t subnet_mask() const;
+
+    /// Answers lines of text too, on the thread of run() and with the same clock as the target: "-" means standard input
+    /// and output, anything else is the path of a Unix-domain socket. Any number of these, before run().
+    [[nodiscard]] std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
 
     /// From now on SIGINT and SIGTERM do what stop() does; one that comes before run() ends it at once.
     void catch_signals();
