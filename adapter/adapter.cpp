@@ -9,6 +9,7 @@
 #include "adapter/assembly_object.hpp"
 #include "adapter/dlr_object.hpp"
 #include "adapter/ethernet_link_object.hpp"
+#include "adapter/event_words.hpp"
 #include "adapter/file_object.hpp"
 #include "adapter/parameter_object.hpp"
 #include "adapter/qos_object.hpp"
@@ -36,6 +37,14 @@ std::chrono::milliseconds maximum_delay(const enip::SenderContext& context) {
     constexpr unsigned shortest = 500;
     const unsigned asked = context[0] | static_cast<unsigned>(context[1]) << 8;
     return std::chrono::milliseconds(asked == 0 ? standard : std::max(asked, shortest));
+}
+
+// The drive counts whole microseconds on the same clock.
+drive::Time to_drive(enip::Time now) { return std::chrono::floor<drive::Time>(now.time_since_epoch()); }
+
+std::optional<enip::Time> to_server(std::optional<drive::Time> time) {
+    if (!time) return std::nullopt;
+    return enip::Time(std::chrono::duration_cast<enip::Time::duration>(*time));
 }
 
 template <class T>
@@ -98,6 +107,7 @@ void Adapter::build_objects() {
 }
 
 std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
+    advance(now);
     const bool refused = !make_room();
     if (refused && limits_.refusals == 0) return std::nullopt;
     auto connection = std::make_unique<Connection>();
@@ -155,6 +165,7 @@ void Adapter::expire(Connection& connection) {
 }
 
 std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time now) {
+    advance(now);
     const auto found = connections_.find(id);
     if (found == connections_.end()) return octets.size();
     auto& connection = *found->second;
@@ -355,6 +366,7 @@ std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) con
 }
 
 void Adapter::on_timer(enip::Time now) {
+    advance(now);
     reset(now);
     manager_->on_timer(now);
     std::erase_if(delayed_, [&](DelayedReply& reply) {
@@ -375,6 +387,8 @@ void Adapter::on_timer(enip::Time now) {
 
 std::optional<enip::Time> Adapter::next_deadline() const {
     auto next = manager_->next_deadline();
+    take_earlier(next, to_server(device_.next_deadline()));
+    take_earlier(next, to_server(playback_.next()));
     if (reset_) take_earlier(next, std::optional(reset_->due));
     for (const auto& reply : delayed_) take_earlier(next, std::optional(reply.due));
     for (const auto& [id, connection] : connections_) take_earlier(next, deadline_of(*connection));
@@ -402,6 +416,33 @@ void Adapter::reset(enip::Time now) {
     } else {
         device_.reset();
     }
+}
+
+// Each event meets the drive as it is at the event's own time, however late the timer comes.
+void Adapter::advance(enip::Time now) {
+    const auto time = to_drive(now);
+    playback_.start(time);
+    while (const auto due = playback_.take(time)) {
+        device_.step(due->at);
+        apply(due->event);
+    }
+    device_.step(time);
+}
+
+void Adapter::inject(const drive::Event& event, enip::Time now) {
+    advance(now);
+    apply(event);
+}
+
+drive::Time Adapter::elapsed(enip::Time now) const { return playback_.elapsed(to_drive(now)); }
+
+void Adapter::apply(const drive::Event& event) {
+    log_(LogLevel::info, fmt::format("event: {}", describe(event)));
+    device_.inject(event);
+    if (!std::holds_alternative<drive::event::PowerCycle>(event)) return;
+    reset_.reset();  // what a Reset asked for has happened
+    shut_down();
+    build_objects();
 }
 
 void Adapter::shut_down() {

@@ -22,6 +22,7 @@
 #include "adapter/log.hpp"
 #include "adapter/network_settings.hpp"
 #include "adapter/session.hpp"
+#include "adapter/timetable.hpp"
 #include "cip/message_router.hpp"
 #include "drive/device.hpp"
 #include "enip/encapsulation.hpp"
@@ -58,6 +59,16 @@ public:
     /// Without it, the device goes back to its printed defaults.
     void on_restart(std::function<void(ResetType)> restart) { restart_ = std::move(restart); }
 
+    /// What happens to the drive while it runs. The timetable's clock starts at the first `now` that the adapter is
+    /// given, which is when the server starts to serve.
+    void play(Timetable timetable) { playback_ = Playback(std::move(timetable)); }
+    /// Something happens to the drive now. The server has to look at next_deadline() afterwards.
+    void inject(const drive::Event& event, enip::Time now);
+    /// Brings the drive, and what the timetable has for it, to `now`.
+    void advance(enip::Time now);
+    /// The time on the timetable's clock.
+    [[nodiscard]] drive::Time elapsed(enip::Time now) const;
+
     /// Ends every session in order: nothing more is answered, and all connections are reported as expired.
     void shut_down();
 
@@ -66,6 +77,7 @@ public:
     [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
     [[nodiscard]] std::size_t class3_connections() const { return manager_->connections(); }
     [[nodiscard]] drive::Device& device() { return device_; }
+    [[nodiscard]] const drive::Device& device() const { return device_; }
     /// The values behind the network objects; whoever knows the host's address writes it here.
     [[nodiscard]] NetworkSettings& network() { return network_; }
 
@@ -96,6 +108,7 @@ private:
     [[nodiscard]] enip::Frame list(const enip::Frame& request, enip::Endpoint local) const;
     [[nodiscard]] bool delay(enip::Datagram datagram, const enip::Frame& request, enip::Time now);
     void reset(enip::Time now);
+    void apply(const drive::Event& event);
     [[nodiscard]] std::optional<enip::Time> deadline_of(const Connection& connection) const;
 
     drive::Device& device_;
@@ -115,6 +128,7 @@ private:
     std::vector<ConnectionId> expired_;
     std::optional<Reset> reset_{};
     std::function<void(ResetType)> restart_;
+    Playback playback_;
 };
 
 }  // namespace servobus::adapter

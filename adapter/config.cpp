@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <functional>
-#include <iterator>
 #include <limits>
-#include <map>
 #include <string_view>
 
-#include "adapter/json_document.hpp"
+#include "adapter/axis_file.hpp"
+#include "adapter/json_settings.hpp"
+#include "adapter/memory_settings.hpp"
 #include "drive/lookup.hpp"
 #include "drive/text.hpp"
 #include "drive/xenax.hpp"
@@ -21,12 +19,13 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t max_file_bytes = std::size_t{1} << 20;  // of a configuration, and of an EDS
-constexpr std::size_t max_product_name = 32;                  // R-ID-1
+constexpr std::size_t max_product_name = 32;  // R-ID-1
 // Enough for every descriptor that a process usually may open, and less than would exhaust memory.
-constexpr std::size_t max_limit = 100'000;
+constexpr std::int64_t max_limit = 100'000;
 // The lower half of a connection id is a number of 16 bits (R-CON-16).
-constexpr std::size_t max_class3_connections = 65'535;
+constexpr std::int64_t max_class3_connections = 65'535;
+constexpr std::int64_t max_inactivity_seconds = 3600;  // R-ENC-24
+constexpr std::int64_t max_seed = std::numeric_limits<std::int64_t>::max();
 
 constexpr std::array<std::pair<std::string_view, LogLevel>, 5> levels{{
     {"trace", LogLevel::trace},
@@ -42,52 +41,6 @@ constexpr std::array<std::pair<std::string_view, drive::Motor>, 3> motors{{
     {"rotative", drive::Motor::rotative},
 }};
 
-// Why one value is not taken; the walk adds where it stands. Empty: taken.
-using Reason = std::string;
-using Setter = std::function<Reason(const json&)>;
-using Setters = std::map<std::string, Setter>;
-
-template <class Number>
-Setter whole_number(Number& target, std::uint64_t low, std::uint64_t high) {
-    return [&target, low, high](const json& value) -> Reason {
-        if (!value.is_number_unsigned() || value.get<std::uint64_t>() < low || value.get<std::uint64_t>() > high) {
-            return fmt::format("must be a whole number from {} to {}", low, high);
-        }
-        target = static_cast<Number>(value.get<std::uint64_t>());
-        return {};
-    };
-}
-
-template <class Number>
-Setter whole_number(std::optional<Number>& target, std::uint64_t low, std::uint64_t high) {
-    return [&target, low, high](const json& value) -> Reason {
-        Number number{};
-        auto reason = whole_number(number, low, high)(value);
-        if (reason.empty()) target = number;
-        return reason;
-    };
-}
-
-template <class Words>
-std::string list(const Words& words) {
-    std::string line;
-    for (const auto& entry : words) line += fmt::format("{}\"{}\"", line.empty() ? "" : ", ", entry.first);
-    return line;
-}
-
-template <class Word, class Words>
-Setter one_of(Word& target, const Words& words) {
-    return [&target, &words](const json& value) -> Reason {
-        for (const auto& [word, meaning] : words) {
-            if (value.is_string() && value.get_ref<const std::string&>() == word) {
-                target = meaning;
-                return {};
-            }
-        }
-        return fmt::format("must be one of {}", list(words));
-    };
-}
-
 Setter variant_setter(std::string& target) {
     return [&target](const json& value) -> Reason {
         if (value.is_string() && drive::xenax_model(value.get_ref<const std::string&>())) {
@@ -102,18 +55,9 @@ Setter variant_setter(std::string& target) {
     };
 }
 
-Setter text(std::string& target) {
-    return [&target](const json& value) -> Reason {
-        if (!value.is_string() || value.get_ref<const std::string&>().empty()) return "must be a text";
-        target = value.get<std::string>();
-        return {};
-    };
-}
-
-Setter text(std::optional<std::string>& target) {
-    return [&target](const json& value) -> Reason {
-        target.emplace();
-        return text(*target)(value);
+Setter axis_setter(Config& config) {
+    return [&config](const json& value) -> Reason {
+        return choose_axis(value.is_string() ? value.get<std::string>() : std::string(), config);
     };
 }
 
@@ -149,6 +93,10 @@ std::variant<drive::Value, Reason> parameter_value(const drive::Parameter& row, 
     return parsed;
 }
 
+bool is_told_by_drive(const drive::Parameter& row) {
+    return row.access == drive::Access::get && row.fidelity == drive::Fidelity::behaves;
+}
+
 Reason add_value(Config& config, const std::string& name, const json& value) {
     const auto rows = drive::find_by_name(drive::parameters(), drive::parameter_classes(), name);
     if (rows.empty()) {
@@ -161,6 +109,7 @@ Reason add_value(Config& config, const std::string& name, const json& value) {
                            drive::qualified_name(drive::parameter_classes(), *rows[0]),
                            drive::qualified_name(drive::parameter_classes(), *rows[1]));
     }
+    if (is_told_by_drive(*rows.front())) return "is told by the drive itself; a scenario can bring it about";
     auto parsed = parameter_value(*rows.front(), value);
     if (auto* reason = std::get_if<Reason>(&parsed)) return *reason;
     if (std::ranges::count(config.values, rows.front()->key(), &std::pair<drive::Key, drive::Value>::first) > 0) {
@@ -169,36 +118,6 @@ Reason add_value(Config& config, const std::string& name, const json& value) {
     config.values.emplace_back(rows.front()->key(), std::get<drive::Value>(std::move(parsed)));
     return {};
 }
-
-// One object of the file: every member has a setter, or is an error.
-class Walk {
-public:
-    explicit Walk(const JsonDocument& document) : document_(document) {}
-
-    std::optional<ConfigError> object(const json& members, const std::string& pointer, const Setters& setters) const {
-        for (const auto& [key, value] : members.items()) {
-            const auto setter = setters.find(key);
-            const auto reason = setter != setters.end() ? setter->second(value) : unknown(key, setters);
-            if (!reason.empty()) return error(pointer, key, reason);
-        }
-        return std::nullopt;
-    }
-
-    ConfigError error(const std::string& pointer, const std::string& key, const Reason& reason) const {
-        const auto found = document_.positions.find((json::json_pointer(pointer) / key).to_string());
-        const auto position = found != document_.positions.end() ? found->second : Position{};
-        return {position.line, position.column, fmt::format("'{}' {}", key, reason)};
-    }
-
-private:
-    static Reason unknown(const std::string&, const Setters& setters) {
-        std::string known;
-        for (const auto& [name, setter] : setters) known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
-        return fmt::format("is not a setting; here may stand: {}", known);
-    }
-
-    const JsonDocument& document_;
-};
 
 Setters identity_setters(Config& config) {
     return {
@@ -214,13 +133,13 @@ Setters limit_setters(Config& config, std::uint64_t& inactivity_seconds) {
         {"tcp_connections", whole_number(config.limits.tcp_connections, 1, max_limit)},
         {"sessions", whole_number(config.limits.sessions, 1, max_limit)},
         {"class3_connections", whole_number(config.limits.class3_connections, 0, max_class3_connections)},
-        {"inactivity_seconds", whole_number(inactivity_seconds, 0, 3600)},  // R-ENC-24
+        {"inactivity_seconds", whole_number(inactivity_seconds, 0, max_inactivity_seconds)},
     };
 }
 
-std::optional<ConfigError> read_members(const JsonDocument& document, Config& config) {
+std::optional<FileError> read_members(const JsonDocument& document, Config& config) {
     const Walk walk(document);
-    std::optional<ConfigError> inner;
+    std::optional<FileError> inner;
     auto inactivity_seconds = static_cast<std::uint64_t>(config.limits.inactivity.count());
     const auto section = [&](const std::string& name, auto fill) -> Setter {
         return [&, name, fill](const json& value) -> Reason {
@@ -234,7 +153,10 @@ std::optional<ConfigError> read_members(const JsonDocument& document, Config& co
         {"bind", text(config.bind)},
         {"port", whole_number(config.port, 0, 65535)},
         {"log_level", one_of(config.log_level, levels)},
+        {"axis", axis_setter(config)},
+        {"seed", whole_number(config.seed, 0, max_seed)},
         {"motor", one_of(config.motor, motors)},
+        {"scenario", text(config.scenario)},
         {"eds", text(config.eds)},
         {"identity", section("identity",
                              [&](const json& value, const std::string& pointer) {
@@ -244,8 +166,16 @@ std::optional<ConfigError> read_members(const JsonDocument& document, Config& co
                            [&](const json& value, const std::string& pointer) {
                                return walk.object(value, pointer, limit_setters(config, inactivity_seconds));
                            })},
+        {"programs", section("programs",
+                             [&](const json& value, const std::string& pointer) {
+                                 return read_programs(walk, value, pointer, config.memory);
+                             })},
+        {"profiles", section("profiles",
+                             [&](const json& value, const std::string& pointer) {
+                                 return read_profiles(walk, value, pointer, config.memory);
+                             })},
         {"values", section("values",
-                           [&](const json& value, const std::string& pointer) -> std::optional<ConfigError> {
+                           [&](const json& value, const std::string& pointer) -> std::optional<FileError> {
                                for (const auto& [name, entry] : value.items()) {
                                    const auto reason = add_value(config, name, entry);
                                    if (!reason.empty()) return walk.error(pointer, name, reason);
@@ -261,48 +191,28 @@ std::optional<ConfigError> read_members(const JsonDocument& document, Config& co
     return std::nullopt;
 }
 
-std::variant<std::string, ConfigError> read_file(const std::filesystem::path& file) {
-    std::error_code error;
-    if (std::filesystem::is_directory(file, error)) return ConfigError{0, 0, "is a directory, not a file"};
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) return ConfigError{0, 0, "cannot be read"};
-    std::string text(max_file_bytes + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > max_file_bytes) return ConfigError{0, 0, fmt::format("is larger than {} octets", max_file_bytes)};
-    return text;
-}
-
 }  // namespace
 
-std::string describe(const std::filesystem::path& file, const ConfigError& error) {
-    if (error.line == 0) return fmt::format("{}: {}", file.string(), error.reason);
-    return fmt::format("{}:{}:{}: {}", file.string(), error.line, error.column, error.reason);
-}
-
-std::variant<Config, ConfigError> parse_config(const std::string& text) {
-    auto parsed = parse_json(text);
-    if (const auto* error = std::get_if<JsonError>(&parsed)) {
-        return ConfigError{error->position.line, error->position.column, error->reason};
-    }
+std::variant<Config, FileError> parse_config(const std::string& text) {
+    auto parsed = parse_settings(text);
+    if (auto* error = std::get_if<FileError>(&parsed)) return *error;
     const auto& document = std::get<JsonDocument>(parsed);
-    if (!document.root.is_object()) return ConfigError{1, 1, "the file must hold one object in braces"};
     Config config;
     if (auto error = read_members(document, config)) return *error;
     return config;
 }
 
-std::variant<Config, ConfigError> load_config(const std::filesystem::path& file) {
+std::variant<Config, FileError> load_config(const std::filesystem::path& file) {
     auto content = read_file(file);
-    if (auto* error = std::get_if<ConfigError>(&content)) return *error;
+    if (auto* error = std::get_if<FileError>(&content)) return *error;
     return parse_config(std::get<std::string>(content));
 }
 
-std::variant<DeviceFile, ConfigError> load_eds(const Config& config) {
+std::variant<DeviceFile, FileError> load_eds(const Config& config) {
     DeviceFile file;
     if (!config.eds) return file;
     auto content = read_file(*config.eds);
-    if (auto* error = std::get_if<ConfigError>(&content)) return *error;
+    if (auto* error = std::get_if<FileError>(&content)) return *error;
     const auto& octets = std::get<std::string>(content);
     file.content.assign(octets.begin(), octets.end());
     file.name = std::filesystem::path(*config.eds).filename().string();
@@ -321,11 +231,48 @@ NetworkSettings make_network(const drive::Identity& identity) {
     return network;
 }
 
+std::string choose_axis(const std::string& word, Config& config) {
+    const auto* shipped = shipped_axis(word);
+    if (shipped == nullptr && !names_axis_file(word)) return unknown_axis();
+    config.axis.reset();
+    config.axis_file.reset();
+    if (shipped != nullptr) {
+        config.axis = *shipped;
+    } else {
+        config.axis_file = word;
+    }
+    return {};
+}
+
+std::optional<FileError> load_axis(Config& config) {
+    if (!config.axis_file) return std::nullopt;
+    const auto content = read_file(*config.axis_file);
+    if (const auto* error = std::get_if<FileError>(&content)) return *error;
+    auto parsed = parse_axis(std::get<std::string>(content));
+    if (const auto* error = std::get_if<FileError>(&parsed)) return *error;
+    config.axis = std::get<drive::AxisKind>(std::move(parsed));
+    config.axis_file.reset();
+    return std::nullopt;
+}
+
 std::optional<LogLevel> log_level(std::string_view word) {
     for (const auto& [name, level] : levels) {
         if (name == word) return level;
     }
     return std::nullopt;
+}
+
+const drive::AxisKind& axis_of(const Config& config) {
+    static const drive::AxisKind standard;
+    if (config.axis) return *config.axis;
+    const auto* shipped = shipped_axis(default_axis);
+    return shipped != nullptr ? *shipped : standard;
+}
+
+drive::Motor motor_of(const Config& config) {
+    if (config.motor) return *config.motor;
+    if (!config.axis) return drive::Motor::any;
+    return config.axis->motion == drive::AxisKind::Motion::linear ? drive::Motor::linear : drive::Motor::rotative;
 }
 
 drive::Device make_device(const Config& config) {
@@ -335,14 +282,21 @@ drive::Device make_device(const Config& config) {
     identity.major_revision = config.major_revision.value_or(identity.major_revision);
     identity.minor_revision = config.minor_revision.value_or(identity.minor_revision);
     identity.product_name = config.product_name.value_or(identity.product_name);
-    drive::Device device(std::move(model), config.motor);
+    const bool moves = model.make_behaviour != nullptr;
+    auto device = moves
+                      ? drive::Device(std::move(model), {axis_of(config), config.seed, config.memory}, motor_of(config))
+                      : drive::Device(std::move(model), motor_of(config));
     apply_values(config, device);
     return device;
 }
 
 void apply_values(const Config& config, drive::Device& device) {
     for (const auto& [key, value] : config.values) {
-        if (const auto* row = device.find(key)) device.store().assign(*row, value);
+        const auto* row = device.find(key);
+        if (row == nullptr) continue;
+        // The drive hears of what a client could have written; of the rest it is only said what stands there.
+        const bool refused = !may_set(row->access) || device.write(*row, value).has_value();
+        if (refused) device.store().assign(*row, value);
     }
 }
 

@@ -12,6 +12,8 @@
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
 #include "adapter/network_settings.hpp"
+#include "adapter/text_file.hpp"
+#include "drive/axis_kind.hpp"
 #include "drive/device.hpp"
 
 namespace servobus::adapter {
@@ -22,32 +24,37 @@ struct Config {
     std::string bind = "127.0.0.1";
     std::uint16_t port = 44818;
     LogLevel log_level = LogLevel::info;
-    drive::Motor motor = drive::Motor::any;
+    /// The axis that somebody has chosen; without one it is default_axis, and any motor is accepted.
+    std::optional<drive::AxisKind> axis{};
+    /// A file that it is still to be read from, by load_axis().
+    std::optional<std::string> axis_file{};
+    /// Chooses the noise of what the drive measures: the same seed, the same noise.
+    std::uint64_t seed = 1;
+    /// Without one it follows from a chosen axis.
+    std::optional<drive::Motor> motor{};
     std::optional<std::uint32_t> serial_number{};
     std::optional<std::uint8_t> major_revision{};
     std::optional<std::uint8_t> minor_revision{};
     std::optional<std::string> product_name{};
     /// The EDS file that the File object hands out; a path relative to the working directory.
     std::optional<std::string> eds{};
+    /// What happens to the drive while the program runs: the file that parse_scenario() reads.
+    std::optional<std::string> scenario{};
     /// What parameters hold after power-up instead of their printed defaults, whatever their access.
     std::vector<std::pair<drive::Key, drive::Value>> values{};
+    drive::MotionMemory memory{};  ///< programs and profiles
     Limits limits{};
 };
 
-/// What is wrong with a file, and where: line and column count from 1, 0 when the file as a whole is meant.
-struct ConfigError {
-    std::size_t line = 0;
-    std::size_t column = 0;
-    std::string reason;
-};
-
-/// `drive.json:3:15: 'port' must be a whole number from 0 to 65535`.
-[[nodiscard]] std::string describe(const std::filesystem::path& file, const ConfigError& error);
-
 /// `text` is the file's content. Unknown and repeated keys are errors: a misspelt setting that is silently ignored
 /// costs its author an afternoon.
-[[nodiscard]] std::variant<Config, ConfigError> parse_config(const std::string& text);
-[[nodiscard]] std::variant<Config, ConfigError> load_config(const std::filesystem::path& file);
+[[nodiscard]] std::variant<Config, FileError> parse_config(const std::string& text);
+[[nodiscard]] std::variant<Config, FileError> load_config(const std::filesystem::path& file);
+
+/// Takes an axis by its key, or remembers its file. Returns why not; empty when it is taken.
+[[nodiscard]] std::string choose_axis(const std::string& word, Config& config);
+/// Reads the axis' file, if one is still to be read; the error is about config.axis_file.
+[[nodiscard]] std::optional<FileError> load_axis(Config& config);
 
 /// The level that a word names: trace, debug, info, warning, error.
 [[nodiscard]] std::optional<LogLevel> log_level(std::string_view word);
@@ -57,11 +64,14 @@ struct ConfigError {
 [[nodiscard]] NetworkSettings make_network(const drive::Identity& identity);
 
 /// The EDS that is configured, read whole; without one, a file object that says it has none.
-[[nodiscard]] std::variant<DeviceFile, ConfigError> load_eds(const Config& config);
+[[nodiscard]] std::variant<DeviceFile, FileError> load_eds(const Config& config);
 
+/// The axis that is chosen, or the default one.
+[[nodiscard]] const drive::AxisKind& axis_of(const Config& config);
+[[nodiscard]] drive::Motor motor_of(const Config& config);
 /// The device that a configuration describes, after power-up.
 [[nodiscard]] drive::Device make_device(const Config& config);
-/// The configured values on top of what the device holds.
+/// The configured values on top of what the device holds, after each power-up.
 void apply_values(const Config& config, drive::Device& device);
 
 }  // namespace servobus::adapter

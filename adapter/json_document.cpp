@@ -57,7 +57,7 @@ private:
 // Deeper than any setting stands.
 constexpr std::size_t max_depth = 8;
 
-// Follows the parser through objects, and notes where each key begins. Objects inside arrays have no settings.
+// Follows the parser, and notes where each key begins, and each object or array that stands in an array.
 class Positions {
 public:
     explicit Positions(const Cursor& cursor) : cursor_(cursor) {}
@@ -66,14 +66,21 @@ public:
     bool on_event(int depth, json::parse_event_t event, const json& parsed) {
         if (error) return false;
         using Event = json::parse_event_t;
-        const bool opens = event == Event::object_start || event == Event::array_start;
-        if (opens && static_cast<std::size_t>(depth) >= max_depth) {
-            error = JsonError{back(1), "objects and arrays stand too deep in each other here"};
-            return false;
+        switch (event) {
+            case Event::object_start:
+            case Event::array_start:
+                return open(static_cast<std::size_t>(depth), event == Event::array_start);
+            case Event::object_end:
+            case Event::array_end:
+                levels_.pop_back();
+                return true;
+            case Event::key:
+                on_key(parsed);
+                return true;
+            case Event::value:
+                if (in_array()) ++levels_.back().elements;
+                return true;
         }
-        if (event == Event::array_start) ++arrays_;
-        if (event == Event::array_end) --arrays_;
-        if (event == Event::key && arrays_ == 0) on_key(depth, parsed);
         return true;
     }
 
@@ -81,16 +88,44 @@ public:
     std::optional<JsonError> error;
 
 private:
-    void on_key(int depth, const json& parsed) {
-        const auto level = static_cast<std::size_t>(depth);
-        path_.resize(level);
-        path_.back() = parsed.get<std::string>();
-        json::json_pointer pointer;
-        for (const auto& part : path_) pointer /= part;
-        const auto position = back(parsed.get_ref<const std::string&>().size() + 2);
-        if (!found.emplace(pointer.to_string(), position).second) {
-            error = JsonError{position, fmt::format("'{}' stands here a second time", parsed.get<std::string>())};
+    // An object or array that the parser is in, and the member of it that is being read.
+    struct Level {
+        bool is_array = false;
+        std::size_t elements = 0;  // the last one included
+        std::string key{};
+    };
+
+    [[nodiscard]] bool in_array() const { return !levels_.empty() && levels_.back().is_array; }
+
+    bool open(std::size_t depth, bool is_array) {
+        if (depth >= max_depth) {
+            error = JsonError{back(1), "objects and arrays stand too deep in each other here"};
+            return false;
         }
+        if (in_array()) {
+            ++levels_.back().elements;
+            found.emplace(pointer(), back(1));
+        }
+        levels_.push_back({is_array});
+        return true;
+    }
+
+    void on_key(const json& parsed) {
+        const auto& key = parsed.get_ref<const std::string&>();
+        levels_.back().key = key;
+        const auto position = back(key.size() + 2);
+        if (!found.emplace(pointer(), position).second) {
+            error = JsonError{position, fmt::format("'{}' stands here a second time", key)};
+        }
+    }
+
+    // Of what is being read.
+    [[nodiscard]] std::string pointer() const {
+        json::json_pointer pointer;
+        for (const auto& level : levels_) {
+            pointer /= level.is_array ? std::to_string(level.elements - 1) : level.key;
+        }
+        return pointer.to_string();
     }
 
     // Where the token begins that the parser has just read.
@@ -101,8 +136,7 @@ private:
     }
 
     const Cursor& cursor_;
-    std::vector<std::string> path_;
-    std::size_t arrays_ = 0;
+    std::vector<Level> levels_;
 };
 
 // The library's text begins with its own tag in brackets, and perhaps the position; what follows is for people.

@@ -22,7 +22,8 @@ struct JsonError {
 
 struct JsonDocument {
     nlohmann::json root;
-    /// Where the key of a member begins, by JSON pointer: `/identity/serial_number`.
+    /// Where the key of a member begins, and an object or array inside an array, by JSON pointer:
+    /// `/identity/serial_number`, `/events/0`.
     std::map<std::string, Position> positions;
 };
 

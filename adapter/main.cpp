@@ -1,18 +1,25 @@
 // servobus-adapter: a virtual XENAX on the network.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <random>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "adapter/adapter.hpp"
+#include "adapter/axis_file.hpp"
 #include "adapter/config.hpp"
+#include "adapter/control.hpp"
+#include "adapter/scenario.hpp"
 #include "adapter/version.hpp"
 #include "drive/xenax.hpp"
 #include "enip/asio/target_server.hpp"
@@ -21,10 +28,13 @@ namespace {
 
 using servobus::adapter::Adapter;
 using servobus::adapter::Config;
-using servobus::adapter::ConfigError;
+using servobus::adapter::Control;
 using servobus::adapter::DeviceFile;
+using servobus::adapter::FileError;
 using servobus::adapter::LogLevel;
 using servobus::adapter::ResetType;
+using servobus::adapter::Timetable;
+using servobus::enip::asio::TargetServer;
 namespace drive = servobus::drive;
 
 constexpr int done = 0;
@@ -38,6 +48,11 @@ struct Arguments {
     std::optional<std::string> bind;
     std::optional<std::uint16_t> port;
     std::optional<std::string> log_level;
+    std::optional<std::string> axis;
+    std::optional<std::uint64_t> seed;
+    std::optional<std::string> scenario;
+    std::vector<std::string> controls;
+    bool list_axes = false;
 };
 
 int fail(int code, const std::string& reason) {
@@ -46,6 +61,29 @@ int fail(int code, const std::string& reason) {
 }
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+// Where the reader cannot look it up, the error does it for him.
+std::string check_axis(const std::string& word) {
+    Config scratch;
+    return choose_axis(word, scratch);
+}
+
+void add_machine_options(CLI::App& app, Arguments& arguments) {
+    app.add_option("--axis", arguments.axis,
+                   fmt::format("What the drive moves: a key of --list-axes, or FILE.json ({} unless given)",
+                               servobus::adapter::default_axis))
+        ->check(CLI::Validator(check_axis, "KEY|FILE.json"));
+    app.add_flag("--list-axes", arguments.list_axes, "Print the axes that ship with the program, and stop");
+    app.add_option("--seed", arguments.seed, "Chooses the noise of what the drive measures (1 unless given)")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}));
+    app.add_option("--scenario", arguments.scenario, "JSON file that says what happens to the drive, and when");
+    app.add_option(
+           "--control", arguments.controls,
+           "Lets things happen while it runs, one JSON object to a line: - for standard input, or the path of a "
+           "socket to listen at; may be given again")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
 
 // Nullopt: go on. Otherwise the exit code: help was asked for, or the usage is wrong.
 std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
@@ -60,6 +98,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     app.add_option("--config", arguments.config_file, "JSON file with these settings and more; see docs/adapter.md");
     app.add_option("--log-level", arguments.log_level, "How much to say on stderr (info unless given)")
         ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}));
+    add_machine_options(app, arguments);
     app.set_version_flag("--version", std::string("servobus-adapter ") + servobus::adapter::version);
     app.footer(
         "Examples:\n"
@@ -67,6 +106,8 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         "  servobus-adapter --variant 48v8 --port 0  a 48V8 at a free port\n"
         "  servobus-adapter --bind 192.168.1.20      on the network; read SECURITY.md first\n"
         "  servobus-adapter --config drive.json      with identity, start values and limits of its own\n"
+        "  servobus-adapter --axis linax-lxc-230f10 --control -\n"
+        "                                            with that axis, and events from standard input\n"
         "Exit codes: 0 stopped by SIGINT or SIGTERM, 2 wrong usage or configuration, 3 cannot listen.");
     try {
         app.parse(argc, argv);
@@ -75,6 +116,10 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         return done;
     } catch (const CLI::ParseError& error) {
         return fail(wrong_usage, first_line(error.what()) + " (--help shows the options)");
+    }
+    if (std::ranges::count(arguments.controls, "-") > 1) {
+        return fail(wrong_usage,
+                    "--control - can be given once: there is one standard input (--help shows the options)");
     }
     return std::nullopt;
 }
@@ -85,6 +130,9 @@ void override_with(const Arguments& arguments, Config& config) {
     if (arguments.bind) config.bind = *arguments.bind;
     if (arguments.port) config.port = *arguments.port;
     if (arguments.log_level) config.log_level = *servobus::adapter::log_level(*arguments.log_level);
+    if (arguments.axis) static_cast<void>(choose_axis(*arguments.axis, config));  // checked by parse()
+    if (arguments.seed) config.seed = *arguments.seed;
+    if (arguments.scenario) config.scenario = *arguments.scenario;
 }
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
@@ -136,28 +184,71 @@ void restart(ResetType type, const Config& config, drive::Device& device) {
     if (type == ResetType::restart) apply_values(config, device);
 }
 
-int serve(const Config& config) {
-    const auto logger = make_logger(config.log_level);
-    make_room_for_descriptors(config.limits, *logger);
+// What a configuration names and other files say.
+struct Files {
+    DeviceFile eds;
+    Timetable scenario;
+};
+
+// All that can be wrong is said before anything starts: nullopt, or the exit code.
+std::optional<int> load_files(Config& config, Files& files) {
+    const auto axis_file = config.axis_file;
+    if (const auto error = load_axis(config)) return fail(wrong_usage, describe(*axis_file, *error));
     auto eds = load_eds(config);
-    if (const auto* error = std::get_if<ConfigError>(&eds)) return fail(wrong_usage, describe(*config.eds, *error));
-    auto device = make_device(config);
-    const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
-    Adapter adapter(device, config.limits, unpredictable_seed(), log,
-                    servobus::adapter::make_network(device.identity()), std::get<DeviceFile>(std::move(eds)));
-    adapter.on_restart([&](ResetType type) { restart(type, config, device); });
-    servobus::enip::asio::TargetServer server(adapter, [&](const std::string& line) { logger->warn(line); });
-    if (const auto error = server.listen(config.bind, config.port)) return fail(cannot_listen, error->reason);
-    adapter.network().interface.address = server.local().address;
-    adapter.network().interface.mask = server.subnet_mask();
-    server.catch_signals();  // before anybody is told that it listens
-    const auto& identity = device.identity();
+    if (const auto* error = std::get_if<FileError>(&eds)) return fail(wrong_usage, describe(*config.eds, *error));
+    files.eds = std::get<DeviceFile>(std::move(eds));
+    if (!config.scenario) return std::nullopt;
+    auto scenario = servobus::adapter::load_scenario(*config.scenario);
+    if (const auto* error = std::get_if<FileError>(&scenario)) {
+        return fail(wrong_usage, describe(*config.scenario, *error));
+    }
+    files.scenario = std::get<Timetable>(std::move(scenario));
+    return std::nullopt;
+}
+
+void announce(const drive::Identity& identity, const TargetServer& server) {
     fmt::print(
         "{} (vendor {}, device type {}, product code 0x{:04X}, revision {}.{}, serial number 0x{:08X}) "
         "listens at {}, TCP and UDP\n",
         identity.product_name, identity.vendor, identity.device_type, identity.product_code, identity.major_revision,
         identity.minor_revision, identity.serial_number, servobus::enip::to_string(server.local()));
     std::fflush(stdout);
+}
+
+// Nullopt, or the exit code.
+std::optional<int> listen(TargetServer& server, const Config& config, const std::vector<std::string>& controls,
+                          Control& control) {
+    if (const auto error = server.listen(config.bind, config.port)) return fail(cannot_listen, error->reason);
+    using servobus::adapter::control_error;
+    const servobus::enip::asio::LineService service{
+        .answer = [&](std::string_view line, servobus::enip::Time now) { return control.answer(line, now); },
+        .too_long =
+            control_error(fmt::format("the line is longer than {} octets", servobus::enip::asio::max_line_octets)),
+        .too_many = control_error(fmt::format("there are {} clients already", servobus::enip::asio::max_line_clients)),
+    };
+    for (const auto& where : controls) {
+        if (const auto error = server.serve_lines(service, where)) return fail(cannot_listen, error->reason);
+    }
+    return std::nullopt;
+}
+
+int serve(const Config& config, Files files, const std::vector<std::string>& controls) {
+    const auto logger = make_logger(config.log_level);
+    make_room_for_descriptors(config.limits, *logger);
+    auto device = make_device(config);
+    const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
+    Adapter adapter(device, config.limits, unpredictable_seed(), log,
+                    servobus::adapter::make_network(device.identity()), std::move(files.eds));
+    adapter.on_restart([&](ResetType type) { restart(type, config, device); });
+    adapter.play(std::move(files.scenario));
+    Control control(adapter, axis_of(config));
+    TargetServer server(adapter, [&](const std::string& line) { logger->warn(line); });
+    if (const auto code = listen(server, config, controls, control)) return *code;
+    adapter.network().interface.address = server.local().address;
+    adapter.network().interface.mask = server.subnet_mask();
+    server.catch_signals();  // before anybody is told that it listens
+    announce(device.identity(), server);
+    if (device.has_machine()) logger->info("the axis is a {}", axis_of(config).name);
     server.run([&] {
         logger->info("stopping: {} sessions are closed", adapter.sessions());
         adapter.shut_down();
@@ -165,25 +256,41 @@ int serve(const Config& config) {
     return done;
 }
 
+int list_axes() {
+    for (const auto& axis : servobus::adapter::shipped_axes()) fmt::print("{:<24} {}\n", axis.key, axis.name);
+    return done;
+}
+
+// A descriptor that is missing here would be the next socket's, and be read or written as if it were a stream.
+void keep_standard_descriptors() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) < 0) static_cast<void>(::open("/dev/null", O_RDWR));
+    }
+}
+
 int run(int argc, char** argv) {
     Arguments arguments;
     if (const auto code = parse(argc, argv, arguments)) return *code;
+    if (arguments.list_axes) return list_axes();
     Config config;
     if (!arguments.config_file.empty()) {
         auto loaded = servobus::adapter::load_config(arguments.config_file);
-        if (const auto* error = std::get_if<ConfigError>(&loaded)) {
+        if (const auto* error = std::get_if<FileError>(&loaded)) {
             return fail(wrong_usage, describe(arguments.config_file, *error));
         }
         config = std::get<Config>(std::move(loaded));
     }
     override_with(arguments, config);
-    return serve(config);
+    Files files;
+    if (const auto code = load_files(config, files)) return *code;
+    return serve(config, std::move(files), arguments.controls);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
+        keep_standard_descriptors();
         return run(argc, argv);
     } catch (const std::exception& error) {  // a library's; nothing here throws
         return fail(1, error.what());

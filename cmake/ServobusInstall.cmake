@@ -11,8 +11,12 @@ install(TARGETS
     EXPORT servobusTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS servobus_adapter_main servobus_scanner_main RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY drive cip assemblies enip adapter scanner DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/servobus
-    FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE PATTERN cli EXCLUDE
-    PATTERN adapter/config.hpp EXCLUDE PATTERN adapter/json_document.hpp EXCLUDE)
+    FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE PATTERN cli EXCLUDE PATTERN axes EXCLUDE
+    PATTERN adapter/axis_file.hpp EXCLUDE PATTERN adapter/config.hpp EXCLUDE PATTERN adapter/control.hpp EXCLUDE
+    PATTERN adapter/event_json.hpp EXCLUDE PATTERN adapter/json_document.hpp EXCLUDE
+    PATTERN adapter/json_settings.hpp EXCLUDE PATTERN adapter/scenario.hpp EXCLUDE
+    PATTERN adapter/shipped_axis_files.hpp EXCLUDE PATTERN adapter/text_file.hpp EXCLUDE)
+install(DIRECTORY drive/axes DESTINATION ${CMAKE_INSTALL_DATADIR}/servobus FILES_MATCHING PATTERN "*.json")
 install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(EXPORT servobusTargets NAMESPACE servobus:: DESTINATION ${package_dir})

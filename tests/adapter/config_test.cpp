@@ -14,7 +14,7 @@ namespace {
 /// `line:column: reason`, or "accepted".
 std::string problem(const std::string& text) {
     const auto parsed = parse_config(text);
-    const auto* error = std::get_if<ConfigError>(&parsed);
+    const auto* error = std::get_if<FileError>(&parsed);
     if (error == nullptr) return "accepted";
     return std::to_string(error->line) + ':' + std::to_string(error->column) + ": " + error->reason;
 }
@@ -32,7 +32,10 @@ TEST(Config, AnEmptyObjectIsTheDefault) {
     EXPECT_EQ(result.bind, "127.0.0.1");
     EXPECT_EQ(result.port, 44818);
     EXPECT_EQ(result.log_level, LogLevel::info);
-    EXPECT_EQ(result.motor, drive::Motor::any);
+    EXPECT_EQ(result.motor, std::nullopt);
+    EXPECT_FALSE(result.axis || result.axis_file);
+    EXPECT_EQ(result.seed, 1U);
+    EXPECT_EQ(result.scenario, std::nullopt);
     EXPECT_EQ(result.limits.tcp_connections, Limits{}.tcp_connections);
     EXPECT_EQ(result.limits.inactivity, std::chrono::seconds(120));
     EXPECT_TRUE(result.values.empty());
@@ -41,6 +44,7 @@ TEST(Config, AnEmptyObjectIsTheDefault) {
 TEST(Config, TakesEverySetting) {
     const auto result = config(R"({
         "variant": "48v8", "bind": "0.0.0.0", "port": 0, "log_level": "debug", "motor": "linear", "eds": "drive.eds",
+        "axis": "linax-lxc-230f10", "seed": 9223372036854775807, "scenario": "night.json",
         "identity": {"serial_number": 4294967295, "major_revision": 127, "minor_revision": 255, "product_name": "Press 7"},
         "limits": {"tcp_connections": 1, "sessions": 2, "class3_connections": 0, "inactivity_seconds": 3600},
         "values": {"SCurve": 50, "drive.Controlword": "0x1F", "ServoIdentificationString": "axis 1"}
@@ -51,6 +55,10 @@ TEST(Config, TakesEverySetting) {
     EXPECT_EQ(result.log_level, LogLevel::debug);
     EXPECT_EQ(result.motor, drive::Motor::linear);
     EXPECT_EQ(result.eds, "drive.eds");
+    ASSERT_TRUE(result.axis);
+    EXPECT_EQ(result.axis->key, "linax-lxc-230f10");
+    EXPECT_EQ(result.seed, 9223372036854775807U);
+    EXPECT_EQ(result.scenario, "night.json");
     EXPECT_EQ(result.serial_number, 4294967295U);
     EXPECT_EQ(result.major_revision, 127);
     EXPECT_EQ(result.minor_revision, 255);
@@ -66,7 +74,7 @@ TEST(Config, TheDeviceIsAsConfigured) {
     const auto device = make_device(config(R"({
         "variant": "75v8", "motor": "linear",
         "identity": {"serial_number": 7, "major_revision": 2, "minor_revision": 3, "product_name": "Press 7"},
-        "values": {"SCurve": 50, "TellTemperature": 41}
+        "values": {"SCurve": 50, "VersionOfFirmware": 41}
     })"));
     EXPECT_EQ(device.identity().product_code, 0x7508);
     EXPECT_EQ(device.identity().serial_number, 7U);
@@ -75,7 +83,8 @@ TEST(Config, TheDeviceIsAsConfigured) {
     EXPECT_EQ(device.identity().product_name, "Press 7");
     EXPECT_EQ(device.motor(), drive::Motor::linear);
     EXPECT_EQ(device.store().value(*device.find({0x64, 0x00})), drive::Value{std::int64_t{50}});
-    EXPECT_EQ(device.store().value(*device.find({0x65, 0x05})), drive::Value{std::int64_t{41}}) << "read only rows too";
+    EXPECT_EQ(device.store().value(*device.find({0x65, 0x13})), drive::Value{std::int64_t{41}})
+        << "rows too that tell one value for ever";
     EXPECT_EQ(device.store().value(*device.find({0x64, 0x08})), drive::Value{std::string("230101")});
 }
 
@@ -111,8 +120,8 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Keys, WrongConfig,
     testing::Values(Wrong{"{\n  \"prot\": 1}",
-                          "2:3: 'prot' is not a setting; here may stand: bind, eds, identity, limits, "
-                          "log_level, motor, port, values, variant"},
+                          "2:3: 'prot' is not a setting; here may stand: axis, bind, eds, identity, "
+                          "limits, log_level, motor, port, profiles, programs, scenario, seed, values, variant"},
                     Wrong{"{\"identity\": {\"serial\": 1}}",
                           "1:15: 'serial' is not a setting; here may stand: "
                           "major_revision, minor_revision, product_name, serial_number"},
@@ -138,6 +147,11 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"{\"port\": null}", "1:2: 'port' must be a whole number from 0 to 65535"},
         Wrong{"{\"bind\": 5}", "1:2: 'bind' must be a text"}, Wrong{"{\"bind\": \"\"}", "1:2: 'bind' must be a text"},
         Wrong{"{\"eds\": 5}", "1:2: 'eds' must be a text"},
+        Wrong{"{\"axis\": \"linax\"}", "1:2: 'axis' must be the name of a .json file, or one of ..."},
+        Wrong{"{\"axis\": 5}", "1:2: 'axis' must be the name of a .json file, or one of ..."},
+        Wrong{"{\"seed\": -1}", "1:2: 'seed' must be a whole number from 0 to 9223372036854775807"},
+        Wrong{"{\"seed\": 9223372036854775808}", "1:2: 'seed' must be a whole number from 0 to 9223372036854775807"},
+        Wrong{"{\"scenario\": \"\"}", "1:2: 'scenario' must be a text"},
         Wrong{"{\"variant\": \"75V8S\"}", "1:2: 'variant' must be one of \"75v8s\", \"75v8\", \"48v8\""},
         Wrong{"{\"log_level\": \"loud\"}",
               "1:2: 'log_level' must be one of \"trace\", \"debug\", \"info\", \"warning\", \"error\""},
@@ -178,14 +192,46 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"{\"values\": {\"SCurve\": 1.5}}", "1:13: 'SCurve' must be a whole number, or a text such as \"0x1F\""},
         Wrong{"{\"values\": {\"SCurve\": true}}", "1:13: 'SCurve' must be a whole number, or a text such as \"0x1F\""},
         Wrong{"{\"values\": {\"SCurve\": \"much\"}}", "1:13: 'SCurve' ..."},
-        Wrong{"{\"values\": {\"IForceActual\": 18446744073709551615}}",
-              "1:13: 'IForceActual' the value is above the upper limit..."},
+        Wrong{"{\"values\": {\"Statusword\": 1}}",
+              "1:13: 'Statusword' is told by the drive itself; a scenario can bring it about"},
+        Wrong{"{\"values\": {\"VersionOfFirmware\": 18446744073709551615}}",
+              "1:13: 'VersionOfFirmware' the value is above the upper limit..."},
         Wrong{"{\"values\": {\"ServoIdentificationString\": 5}}", "1:13: 'ServoIdentificationString' must be a text"},
         Wrong{"{\"values\": {\"ServoIdentificationString\": \"123456789012345678901234567890123\"}}",
               "1:13: 'ServoIdentificationString' holds at most 32 characters"},
         Wrong{"{\"values\": {\"ReferenceMethods\": 7}}",
               "1:13: 'ReferenceMethods' the value is inside the limits, but not one of the values that exist..."},
         Wrong{"{\"values\": {\"Reserved\": 1}}", "1:13: 'Reserved' is no parameter; ..."}));
+
+TEST(Config, ProgramsAndProfilesAreTheDrives) {
+    const auto result = config(R"({"programs": {"7": ["REF", "G -5000", "WT 20"]},
+                                   "profiles": {"2": [{"to": 100, "speed": 5000}, {"by": -7}]}})");
+    ASSERT_EQ(result.memory.programs.at(7).size(), 3U);
+    EXPECT_EQ(result.memory.programs.at(7)[1],
+              (drive::ProgramStep{drive::ProgramStep::Kind::write, {0x65, 0x2B}, -5000}));
+    const auto& parts = result.memory.profiles.at(2);
+    ASSERT_EQ(parts.size(), 2U);
+    EXPECT_EQ(parts[0].target, 100);
+    EXPECT_EQ(parts[0].speed, 5000);
+    EXPECT_FALSE(parts[0].relative);
+    EXPECT_EQ(parts[1].target, -7);
+    EXPECT_EQ(parts[1].acceleration, 1'000'000);
+    EXPECT_TRUE(parts[1].relative);
+}
+
+TEST(Config, WrongProgramsAndProfilesHaveTheirPlace) {
+    EXPECT_EQ(problem(R"({"programs": {"64": []}})"), "1:15: '64' must be a number from 1 to 63");
+    EXPECT_EQ(problem(R"({"programs": {"1": "REF"}})"), "1:15: '1' must be a list in brackets");
+    EXPECT_EQ(problem(R"({"programs": {"1": ["REF", "FLY 3"]}})"),
+              "1:15: '1' has a wrong step 2: 'FLY' is no command with a number");
+    EXPECT_EQ(problem(R"({"programs": {"1": [3]}})"),
+              "1:15: '1' has a wrong step 1: it must be a text, such as \"G 10000\"");
+    EXPECT_EQ(problem(R"({"profiles": {"6": []}})"), "1:15: '6' must be a number from 1 to 5");
+    EXPECT_EQ(problem(R"({"profiles": {"1": [{"to": 1, "by": 2}]}})"),
+              "1:21: needs either 'to', a position, or 'by', a distance");
+    EXPECT_EQ(problem(R"({"profiles": {"1": [{"to": 1, "speed": 9}]}})"),
+              "1:31: 'speed' must be a whole number from 10 to 100000000");
+}
 
 TEST(Config, ValuesAtTheirLimitsAreTaken) {
     EXPECT_EQ(problem(R"({"port": 65535, "limits": {"tcp_connections": 100000, "class3_connections": 65535}})"),
@@ -230,7 +276,7 @@ protected:
     }
     static std::string reason(const std::filesystem::path& path) {
         const auto loaded = load_config(path);
-        const auto* error = std::get_if<ConfigError>(&loaded);
+        const auto* error = std::get_if<FileError>(&loaded);
         if (error == nullptr) return "accepted";
         EXPECT_EQ(error->line, 0U);
         return error->reason;
@@ -265,7 +311,7 @@ TEST_F(ConfigFile, TheEdsIsReadWhole) {
     EXPECT_EQ(std::get<DeviceFile>(loaded).name, "drive.json");
     EXPECT_EQ(std::get<DeviceFile>(loaded).content.size(), 10U);
     config.eds = (directory_ / "none.eds").string();
-    EXPECT_TRUE(std::holds_alternative<ConfigError>(load_eds(config)));
+    EXPECT_TRUE(std::holds_alternative<FileError>(load_eds(config)));
 }
 
 }  // namespace

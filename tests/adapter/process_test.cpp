@@ -31,11 +31,15 @@ using testing::StartsWith;
 class Program {
 public:
     explicit Program(std::vector<std::string> arguments) {
+        std::array<int, 2> in{};
         std::array<int, 2> out{};
         std::array<int, 2> err{};
-        if (::pipe2(out.data(), O_CLOEXEC) != 0 || ::pipe2(err.data(), O_CLOEXEC) != 0) return;
+        for (auto* ends : {&in, &out, &err}) {
+            if (::pipe2(ends->data(), O_CLOEXEC) != 0) return;
+        }
         posix_spawn_file_actions_t actions{};
         ::posix_spawn_file_actions_init(&actions);
+        ::posix_spawn_file_actions_adddup2(&actions, in[0], STDIN_FILENO);
         ::posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
         ::posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
         arguments.insert(arguments.begin(), SERVOBUS_BIN_DIR "/servobus-adapter");
@@ -44,8 +48,10 @@ public:
         words.push_back(nullptr);
         if (::posix_spawn(&id_, words[0], &actions, nullptr, words.data(), environ) != 0) id_ = -1;
         ::posix_spawn_file_actions_destroy(&actions);
+        ::close(in[0]);
         ::close(out[1]);
         ::close(err[1]);
+        in_ = in[1];
         out_ = out[0];
         err_ = err[0];
     }
@@ -54,14 +60,21 @@ public:
             ::kill(id_, SIGKILL);
             ::waitpid(id_, nullptr, 0);
         }
+        end_input();
         ::close(out_);
         ::close(err_);
     }
     Program(const Program&) = delete;
     Program& operator=(const Program&) = delete;
 
+    void write(const std::string& text) const { ASSERT_GT(::write(in_, text.data(), text.size()), 0); }
+    void end_input() {
+        if (in_ >= 0) ::close(in_);
+        in_ = -1;
+    }
     /// The first line on stdout, empty when none comes in time.
-    std::string first_line() const {
+    std::string first_line() const { return next_line(); }
+    std::string next_line() const {
         std::string line;
         const auto end = Clock::now() + patience;
         for (char c = 0; Clock::now() < end;) {
@@ -100,6 +113,7 @@ private:
     }
 
     pid_t id_ = -1;
+    int in_ = -1;
     int out_ = -1;
     int err_ = -1;
 };
@@ -188,8 +202,8 @@ class ProcessWithConfig : public testing::Test {
 protected:
     void SetUp() override { std::filesystem::create_directories(directory_); }
     void TearDown() override { std::filesystem::remove_all(directory_); }
-    std::string file(const std::string& content) const {
-        const auto path = directory_ / "drive.json";
+    std::string file(const std::string& content, const std::string& name = "drive.json") const {
+        const auto path = directory_ / name;
         std::ofstream(path, std::ios::binary) << content;
         return path.string();
     }
@@ -245,6 +259,104 @@ TEST_F(ProcessWithConfig, APlainResetComesBackWithTheConfiguredValuesAndAFactory
     EXPECT_EQ(s_curve_after("05 02 20 01 24 01 01"), hex("8E 00 00 00 14 00 00 00"));
 }
 
+TEST(Process, ListsTheAxes) {
+    const auto result = run({"--list-axes"});
+    EXPECT_EQ(result.code, 0);
+    EXPECT_EQ(result.errors, "");
+    EXPECT_THAT(result.output, testing::ContainsRegex("(^|\n)linax-lxc-230f10 +LINAX Lxc 230F10\n"));
+}
+
+TEST(Process, AnUnknownAxisIsRefusedWithTheOnesThereAre) {
+    const auto result = run({"--axis", "linax"});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_TRUE(is_one_line(result.errors)) << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("linax-lxc-230f10"));
+}
+
+TEST_F(ProcessWithConfig, ABadAxisFileIsOneLineWithItsPlaceAndExitCode2) {
+    const auto path = file("{\n  \"key\": 5\n}", "axis.json");
+    const auto result = run({"--port", "0", "--axis", path});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.errors,
+              "servobus-adapter: " + path + ":2:3: 'key' must be a text of small letters, digits and dashes\n");
+    EXPECT_EQ(run({"--config", file("{\"port\": 0, \"axis\": \"" + path + "\"}")}).errors, result.errors);
+}
+
+TEST_F(ProcessWithConfig, ABadScenarioIsOneLineWithItsPlaceAndExitCode2) {
+    const auto path = file("{\"events\": [\n  {\"at\": 1}]}", "night.json");
+    const auto result = run({"--port", "0", "--scenario", path});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.output, "");
+    EXPECT_EQ(result.errors, "servobus-adapter: " + path + ":2:3: 'event' is missing\n");
+    EXPECT_EQ(run({"--config", file("{\"port\": 0, \"scenario\": \"" + path + "\"}")}).errors, result.errors);
+}
+
+TEST_F(ProcessWithConfig, AScenarioHappens) {
+    const auto path = file(R"({"events": [{"at": 0.05, "event": "set-input", "number": 3}]})", "night.json");
+    Program program({"--port", "0", "--scenario", path, "--control", "-"});
+    ASSERT_NE(port_in(program.first_line()), 0);
+    double time = 0;
+    while (time < 0.05) {
+        program.write("{\"query\": \"state\"}\n");
+        const auto line = program.next_line();
+        ASSERT_THAT(line, StartsWith("{\"ok\":true,\"time\":"));
+        time = std::stod(line.substr(18));
+    }
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_THAT(program.errors(), HasSubstr("event: set-input number=3 high=true\n"));
+}
+
+TEST(Process, StandardInputControlsItAndItsEndEndsNothing) {
+    Program program({"--port", "0", "--control", "-"});
+    const auto port = port_in(program.first_line());
+    program.write("garbage\n{\"event\": \"set-input\", \"number\": 2}\n{\"query\": \"axis\"}");
+    EXPECT_THAT(program.next_line(), StartsWith("{\"ok\":false,\"error\":"));
+    EXPECT_EQ(program.next_line(), "{\"ok\":true}");
+    program.end_input();
+    EXPECT_THAT(program.next_line(), HasSubstr("\"linax-lxc-230f10\""));
+    TcpClient client(port);
+    ASSERT_TRUE(client.register_session());
+    EXPECT_EQ(hex(client.call(octets("0E 03 20 64 24 01 30 00"))), hex("8E 00 00 00 14 00 00 00"));
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_THAT(program.errors(), HasSubstr("event: set-input number=2 high=true\n"));
+}
+
+TEST(Process, WithoutControlStandardInputIsLeftAlone) {
+    Program program({"--port", "0"});
+    ASSERT_NE(port_in(program.first_line()), 0);
+    program.write("{\"event\": \"power-cycle\"}\n");
+    program.end_input();
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_EQ(program.output(), "");
+}
+
+TEST(Process, APowerCycleFromStandardInputEndsTheConnections) {
+    Program program({"--port", "0", "--control", "-"});
+    TcpClient client(port_in(program.first_line()));
+    ASSERT_TRUE(client.register_session());
+    program.write("{\"event\": \"power-cycle\"}\n");
+    EXPECT_EQ(program.next_line(), "{\"ok\":true}");
+    EXPECT_TRUE(client.closed_by_peer());
+}
+
+TEST_F(ProcessWithConfig, ASocketControlsItBesideStandardInput) {
+    const auto path = (directory_ / "control").string();
+    Program program({"--port", "0", "--control", path, "--control", "-"});
+    ASSERT_NE(port_in(program.first_line()), 0);
+    EXPECT_TRUE(std::filesystem::is_socket(path));
+    program.write("{\"event\": \"block-axis\"}\n");
+    EXPECT_EQ(program.next_line(), "{\"ok\":true}");
+    const auto second = run({"--port", "0", "--control", path});
+    EXPECT_EQ(second.code, 3);
+    EXPECT_EQ(second.errors, "servobus-adapter: cannot listen at '" + path + "': another program listens there\n");
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_FALSE(std::filesystem::exists(path));
+}
+
 TEST(Process, WrongUsageIsOneLineAndExitCode2) {
     for (const auto& arguments : std::vector<std::vector<std::string>>{{"--prot", "0"},
                                                                        {"--port", "65536"},
@@ -253,6 +365,10 @@ TEST(Process, WrongUsageIsOneLineAndExitCode2) {
                                                                        {"--port"},
                                                                        {"--variant", "75V8S"},
                                                                        {"--log-level", "loud"},
+                                                                       {"--axis", "linax"},
+                                                                       {"--seed", "-1"},
+                                                                       {"--control", "-", "--control", "-"},
+                                                                       {"--control"},
                                                                        {"surplus"}}) {
         const auto result = run(arguments);
         EXPECT_EQ(result.code, 2) << arguments.front();
@@ -267,7 +383,8 @@ TEST(Process, HelpAndVersionAreAnsweredOnStdout) {
     const auto help = run({"--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_EQ(help.errors, "");
-    for (const auto* option : {"--variant", "--bind", "--port", "--config", "--log-level", "--version", "Exit codes"}) {
+    for (const auto* option : {"--variant", "--bind", "--port", "--config", "--log-level", "--axis", "--list-axes",
+                               "--seed", "--scenario", "--control", "--version", "Exit codes"}) {
         EXPECT_THAT(help.output, HasSubstr(option));
     }
     const auto version = run({"--version"});
