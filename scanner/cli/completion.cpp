@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 namespace servobus::scanner::cli {
 namespace {
 
@@ -18,9 +20,19 @@ _servobus_scanner() {
             @VERB_PATTERN@) verb=${COMP_WORDS[i]} at=$i; break ;;
         esac
     done
-    local words=
-    if [[ $current == -* ]]; then
-        case $verb in
+    local words= sub=
+    if [[ $verb == axis ]]; then
+        for ((i = at + 2; i < COMP_CWORD; i++)); do
+            case ${COMP_WORDS[i]} in
+                @AXIS_PATTERN@) sub=${COMP_WORDS[i]} ;;
+            esac
+        done
+    fi
+    if [[ $verb == axis && ${COMP_WORDS[COMP_CWORD - 1]} == --@(trace|out) ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$current")
+        return
+    elif [[ $current == -* ]]; then
+        case "$verb${sub:+ $sub}" in
 @OPTION_CASES@
             *) words="@COMMON_OPTIONS@" ;;
         esac
@@ -32,6 +44,12 @@ _servobus_scanner() {
         case $verb in
             get | set | call) words=$("$program" list --names 2>/dev/null) ;;
             command) words=$("$program" list --names --commands 2>/dev/null) ;;
+            axis)
+                case $sub in
+                    '') words="@AXIS_VERBS@" ;;
+                    jog) words="positive negative" ;;
+                    trace) words="@TRACED_VERBS@" ;;
+                esac ;;
         esac
         if [[ $verb == set ]]; then
             compopt -o nospace
@@ -53,18 +71,30 @@ constexpr std::string_view zsh_script = R"sh(#compdef servobus-scanner
 # zsh completion for servobus-scanner.
 # Load it with: source <(servobus-scanner completion zsh)
 _servobus_scanner() {
-    local -a verbs names
-    local verb= word at=0 i
+    local -a verbs axis_verbs names
+    local verb= sub= at=0 i
     verbs=(
 @VERB_LINES@
+    )
+    axis_verbs=(
+@AXIS_LINES@
     )
     for ((i = 2; i < CURRENT; i++)); do
         case $words[i] in
             @VERB_PATTERN@) verb=$words[i]; at=$i; break ;;
         esac
     done
-    if [[ $PREFIX == -* ]]; then
-        case $verb in
+    if [[ $verb == axis ]]; then
+        for ((i = at + 2; i < CURRENT; i++)); do
+            case $words[i] in
+                @AXIS_PATTERN@) sub=$words[i] ;;
+            esac
+        done
+    fi
+    if [[ $verb == axis && $words[CURRENT - 1] == (--trace|--out) ]]; then
+        _files
+    elif [[ $PREFIX == -* ]]; then
+        case "$verb${sub:+ $sub}" in
 @OPTION_CASES@
             *) compadd -- @COMMON_OPTIONS@ ;;
         esac
@@ -77,6 +107,12 @@ _servobus_scanner() {
             get | call | list) names=(${(f)"$($words[1] list --names 2>/dev/null)"}); compadd -a names ;;
             set) names=(${(f)"$($words[1] list --names 2>/dev/null)"}); compadd -S = -a names ;;
             command) names=(${(f)"$($words[1] list --names --commands 2>/dev/null)"}); compadd -a names ;;
+            axis)
+                case $sub in
+                    '') _describe verb axis_verbs ;;
+                    jog) compadd -- positive negative ;;
+                    trace) compadd -- @TRACED_VERBS@ ;;
+                esac ;;
         esac
     else
         _hosts
@@ -92,12 +128,12 @@ fi
 constexpr std::string_view fish_script = R"sh(# fish completion for servobus-scanner.
 # Load it with: servobus-scanner completion fish | source
 complete -c servobus-scanner -f
-@FISH_LINES@
-complete -c servobus-scanner -n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'
+@FISH_LINES@complete -c servobus-scanner -n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'
 complete -c servobus-scanner -n '__fish_seen_subcommand_from get call list' -a '(servobus-scanner list --names)'
 complete -c servobus-scanner -n '__fish_seen_subcommand_from set' -a '(servobus-scanner list --names)='
 complete -c servobus-scanner -n '__fish_seen_subcommand_from command' -a '(servobus-scanner list --names --commands)'
 complete -c servobus-scanner -n '__fish_seen_subcommand_from identity dump' -a '(__fish_print_hostnames)'
+complete -c servobus-scanner -n '__fish_seen_subcommand_from jog' -a 'positive negative'
 )sh";
 
 std::string replaced(std::string text, std::string_view mark, std::string_view with) {
@@ -119,27 +155,39 @@ std::vector<std::string> common_options() {
     return {"--help", "--version", "--json", "--timeout", "--route", "--connected"};
 }
 
-std::string option_cases(const std::vector<VerbInfo>& verbs, std::string_view format) {
+/// `axis move` is `axis\ move` in a pattern.
+std::string option_cases(const std::vector<VerbInfo>& verbs, std::string_view format, const std::string& prefix = {}) {
     std::vector<std::string> cases;
-    cases.reserve(verbs.size());
     for (const auto& verb : verbs) {
-        cases.push_back(fmt::format(fmt::runtime(format), verb.name, fmt::join(verb.options, " ")));
+        const auto name = prefix + verb.name;
+        cases.push_back(fmt::format(fmt::runtime(format), name, fmt::join(verb.options, " ")));
+        if (!verb.verbs.empty() && prefix.empty()) cases.push_back(option_cases(verb.verbs, format, name + "\\ "));
     }
     return fmt::format("{}", fmt::join(cases, "\n"));
 }
 
-std::string fish_lines(const std::vector<VerbInfo>& verbs) {
+std::string fish_lines(const std::vector<VerbInfo>& verbs, const std::string& condition = "__fish_use_subcommand",
+                       const std::string& prefix = {}) {
     std::string text;
     for (const auto& verb : verbs) {
-        text += fmt::format("complete -c servobus-scanner -n __fish_use_subcommand -a {} -d '{}'\n", verb.name,
-                            verb.description);
+        const auto seen = fmt::format("{}__fish_seen_subcommand_from {}", prefix, verb.name);
+        text +=
+            fmt::format("complete -c servobus-scanner -n '{}' -a {} -d '{}'\n", condition, verb.name, verb.description);
         for (const auto& option : verb.options) {
-            text += fmt::format("complete -c servobus-scanner -n '__fish_seen_subcommand_from {}' -l {}\n", verb.name,
-                                option.substr(2));
+            text += fmt::format("complete -c servobus-scanner -n '{}' -l {}\n", seen, option.substr(2));
         }
+        if (verb.verbs.empty() || !prefix.empty()) continue;
+        const auto none =
+            fmt::format("{}; and not __fish_seen_subcommand_from {}", seen, fmt::join(names(verb.verbs), " "));
+        text += fish_lines(verb.verbs, none, seen + "; and ");
     }
-    text.pop_back();
     return text;
+}
+
+/// The verbs of a verb.
+std::vector<VerbInfo> verbs_of(const std::vector<VerbInfo>& verbs, std::string_view name) {
+    const auto verb = std::ranges::find(verbs, name, &VerbInfo::name);
+    return verb == verbs.end() ? std::vector<VerbInfo>() : verb->verbs;
 }
 
 std::string zsh_verb_lines(const std::vector<VerbInfo>& verbs) {
@@ -160,11 +208,17 @@ std::optional<std::string> completion_script(std::string_view shell, const std::
         script = replaced(std::string(zsh_script), "@OPTION_CASES@",
                           option_cases(verbs, "            {}) compadd -- {} ;;"));
         script = replaced(std::move(script), "@VERB_LINES@", zsh_verb_lines(verbs));
+        script = replaced(std::move(script), "@AXIS_LINES@", zsh_verb_lines(verbs_of(verbs, "axis")));
     } else if (shell == "fish") {
         return replaced(std::string(fish_script), "@FISH_LINES@", fish_lines(verbs));
     } else {
         return std::nullopt;
     }
+    const auto axis = verbs_of(verbs, "axis");
+    const auto traced = names(verbs_of(axis, "trace"));
+    script = replaced(std::move(script), "@AXIS_PATTERN@", fmt::format("{}", fmt::join(names(axis), " | ")));
+    script = replaced(std::move(script), "@AXIS_VERBS@", fmt::format("{}", fmt::join(names(axis), " ")));
+    script = replaced(std::move(script), "@TRACED_VERBS@", fmt::format("{}", fmt::join(traced, " ")));
     script = replaced(std::move(script), "@VERBS@", fmt::format("{}", fmt::join(names(verbs), " ")));
     script = replaced(std::move(script), "@VERB_PATTERN@", fmt::format("{}", fmt::join(names(verbs), " | ")));
     return replaced(std::move(script), "@COMMON_OPTIONS@", fmt::format("{}", fmt::join(common_options(), " ")));

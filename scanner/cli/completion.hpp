@@ -13,6 +13,7 @@ struct VerbInfo {
     std::string name;
     std::string description;
     std::vector<std::string> options;  ///< `--json`
+    std::vector<VerbInfo> verbs{};     ///< of its own
 };
 
 /// The script for bash, zsh or fish; nullopt for another shell.

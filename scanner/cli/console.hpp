@@ -1,6 +1,7 @@
 // Data to one stream, messages to the other.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -16,6 +17,8 @@ struct Console {
     std::ostream& out;
     std::ostream& err;
     bool json = false;
+    bool terminal = false;                            ///< `err` is one: a line may be written over
+    const std::atomic<int>* interruptions = nullptr;  ///< counts in place of Ctrl-C, for tests
 
     /// A line, or several, each with the program's name in front.
     void say(std::string_view message) const;

@@ -14,6 +14,8 @@ enum class ExitCode : std::uint8_t {
     no_connection = 3,
     refused = 4,
     nonsense = 5,
+    axis = 6,
+    interrupted = 130,
 };
 
 struct ExitCodeRow {
@@ -22,22 +24,22 @@ struct ExitCodeRow {
     std::string_view text;
 };
 
-inline constexpr std::array<ExitCodeRow, 6> exit_codes{{
+inline constexpr std::array<ExitCodeRow, 8> exit_codes{{
     {ExitCode::done, "done", "done"},
     {ExitCode::fault, "fault", "a fault of this program; please report it"},
     {ExitCode::usage, "usage", "wrong usage; nothing was sent"},
     {ExitCode::no_connection, "no_connection", "no connection, or no answer in time"},
     {ExitCode::refused, "refused", "the device refused, and the message says why"},
     {ExitCode::nonsense, "nonsense", "the device's answer makes no sense"},
+    {ExitCode::axis, "axis", "the axis did not do it: a fault, a time limit, or not in this state"},
+    {ExitCode::interrupted, "interrupted", "Ctrl-C; the axis was halted before"},
 }};
 
-[[nodiscard]] constexpr const ExitCodeRow& row_of(ExitCode code) { return exit_codes[static_cast<std::size_t>(code)]; }
-
-static_assert([] {
-    for (std::size_t i = 0; i < exit_codes.size(); ++i) {
-        if (static_cast<std::size_t>(exit_codes[i].code) != i) return false;
+[[nodiscard]] constexpr const ExitCodeRow& row_of(ExitCode code) {
+    for (const auto& row : exit_codes) {
+        if (row.code == code) return row;
     }
-    return true;
-}());
+    return exit_codes[1];
+}
 
 }  // namespace servobus::scanner::cli

@@ -116,7 +116,6 @@ public:
         context.run_for(milliseconds(100));
     }
 
-private:
     void run_until(const bool& done) {
         context.restart();
         while (!done && context.run_one() > 0) {
@@ -167,6 +166,9 @@ boost::system::result<cip::Response> Link::call(const cip::Request& request) {
     Waiting<cip::Response> waiting(io_->context);
     io_->client->async_call(request, CallOptions{remaining()}, waiting.token());
     auto response = waiting.wait();
+    // It was there after open(), so the device has closed it while nobody asked anything.
+    if (!response && response.error() == make_error_code(Error::not_connected))
+        response = make_error_code(Error::closed);
     if (!response) note(response.error());
     if (per_answer_ && response) deadline_ = steady_clock::now() + settings_.timeout;
     return response;
@@ -176,6 +178,14 @@ boost::system::result<ReadOutcome> Link::read(const drive::Parameter& row) {
     const auto response = call(read_request(row));
     if (!response) return response.error();
     return read_outcome(row, *response);
+}
+
+void Link::wait_until(steady_clock::time_point when) {
+    net::steady_timer timer(io_->context, when);
+    bool over = false;
+    timer.async_wait([&over](error_code) { over = true; });
+    io_->run_until(over);
+    if (per_answer_) deadline_ = std::max(deadline_, steady_clock::now() + settings_.timeout);
 }
 
 boost::system::result<enip::asio::FoundDevices> broadcast(enip::asio::BroadcastOptions options) {

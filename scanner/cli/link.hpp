@@ -55,6 +55,9 @@ public:
     [[nodiscard]] boost::system::result<cip::Response> call(const cip::Request& request);
     [[nodiscard]] boost::system::result<ReadOutcome> read(const drive::Parameter& row);
 
+    /// Does nothing until then, but keeps the connection.
+    void wait_until(std::chrono::steady_clock::time_point when);
+
     /// For verbs with hundreds of requests: from now on the time counts from the last answer.
     void count_from_last_answer() { per_answer_ = true; }
 

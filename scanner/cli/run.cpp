@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "scanner/cli/axis_command_line.hpp"
 #include "scanner/cli/completion.hpp"
 #include "scanner/cli/exit_code.hpp"
 #include "scanner/cli/verbs.hpp"
@@ -22,14 +23,15 @@ constexpr int max_wait_ms = 60'000;
 
 std::string exit_code_lines() {
     std::string text = "Exit codes:\n";
-    for (const auto& row : exit_codes) text += fmt::format("  {}  {}\n", static_cast<int>(row.code), row.text);
+    for (const auto& row : exit_codes) text += fmt::format("  {:>3}  {}\n", static_cast<int>(row.code), row.text);
     return text;
 }
 
 /// The command line as CLI11 fills it in.
 class CommandLine {
 public:
-    CommandLine(std::ostream& out, std::ostream& err) : console_{out, err} {
+    CommandLine(std::ostream& out, std::ostream& err, const Surroundings& around)
+        : console_{out, err, false, around.terminal, around.interruptions} {
         app_.set_version_flag("--version", "servobus-scanner " SERVOBUS_VERSION);
         app_.require_subcommand(1);
         app_.footer(exit_code_lines() + "\n'servobus-scanner VERB --help' shows examples.");
@@ -37,6 +39,7 @@ public:
         add_discovery();
         add_parameters();
         add_services();
+        add_axis();
         add_offline();
     }
 
@@ -160,6 +163,16 @@ private:
         on(verb, [this] { return call(console_, settings_, host_, word_, path_, words_); });
     }
 
+    void add_axis() {
+        const auto decorate = [this](CLI::App& verb) {
+            add_common(verb);
+            add_path_options(verb);
+        };
+        axis_.add_to(app_, decorate, [this](AxisCommandLine::Action action) {
+            action_ = [this, action = std::move(action)] { return action(console_, settings_); };
+        });
+    }
+
     void add_offline() {
         auto& list_verb = add_verb("list", "Print the parameters that exist, without a device",
                                    "  servobus-scanner list\n"
@@ -208,19 +221,23 @@ private:
     }
 
     ExitCode completion() {
+        const auto script = completion_script(word_, verbs_of(app_));
+        if (!script)
+            return fail(console_, Mistake{fmt::format("'{}' is no shell that is known: bash, zsh, fish", word_)});
+        console_.out << *script;
+        return ExitCode::done;
+    }
+
+    static std::vector<VerbInfo> verbs_of(const CLI::App& app) {
         std::vector<VerbInfo> verbs;
-        for (const auto* verb : app_.get_subcommands({})) {
-            VerbInfo info{verb->get_name(), verb->get_description(), {}};
+        for (const auto* verb : app.get_subcommands({})) {
+            VerbInfo info{verb->get_name(), verb->get_description(), {}, verbs_of(*verb)};
             for (const auto* option : verb->get_options()) {
                 if (!option->get_positional()) info.options.push_back("--" + option->get_lnames().front());
             }
             verbs.push_back(std::move(info));
         }
-        const auto script = completion_script(word_, verbs);
-        if (!script)
-            return fail(console_, Mistake{fmt::format("'{}' is no shell that is known: bash, zsh, fish", word_)});
-        console_.out << *script;
-        return ExitCode::done;
+        return verbs;
     }
 
     Console console_;
@@ -228,6 +245,7 @@ private:
     Settings settings_;
     DiscoverArguments discover_;
     ListArguments list_;
+    AxisCommandLine axis_;
     double timeout_s_ = 5;
     int wait_ms_ = 1000;
     std::optional<std::string> route_;
@@ -240,10 +258,10 @@ private:
 
 }  // namespace
 
-int run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err) {
+int run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err, const Surroundings& around) {
     auto code = ExitCode::fault;
     try {
-        code = CommandLine(out, err).run(std::move(arguments));
+        code = CommandLine(out, err, around).run(std::move(arguments));
     } catch (const std::exception& error) {
         err << "servobus-scanner: unexpected: " << error.what() << '\n';
     }

@@ -43,8 +43,9 @@ TEST(Completion, KnowsEveryVerbInEveryShell) {
     for (const auto* shell : {"bash", "zsh", "fish"}) {
         const auto text = script(shell);
         EXPECT_THAT(text, Not(testing::ContainsRegex("@[A-Z]"))) << "a mark that was not filled in";
-        for (const auto* word : {"discover", "identity", "get", "set", "dump", "command", "call", "list", "completion",
-                                 "json", "timeout", "route", "connected", "wait", "host", "list --names"}) {
+        for (const auto* word :
+             {"discover", "identity", "get", "set", "dump", "command", "call", "axis", "list", "completion",
+              "force-calibrate", "json", "timeout", "route", "connected", "wait", "host", "list --names"}) {
             EXPECT_THAT(text, HasSubstr(word)) << shell;
         }
     }
@@ -60,6 +61,11 @@ TEST(Completion, WorksInBash) {
     EXPECT_EQ(offered("servobus-scanner get host --jso"), "--json\n");
     EXPECT_EQ(offered("servobus-scanner --json get host --tim"), "--timeout\n");
     EXPECT_EQ(offered("servobus-scanner completion z"), "zsh\n");
+    EXPECT_EQ(offered("servobus-scanner axis host f"), "fault-reset\nforce-calibrate\n");
+    EXPECT_EQ(offered("servobus-scanner axis host jog n"), "negative\n");
+    EXPECT_EQ(offered("servobus-scanner axis host move --rel"), "--relative\n");
+    EXPECT_EQ(offered("servobus-scanner axis host trace --dur"), "--duration\n");
+    EXPECT_EQ(offered("servobus-scanner axis host trace --duration 2s m"), "move\n");
 }
 
 }  // namespace

@@ -15,11 +15,11 @@ struct Run {
     std::string err;
 };
 
-inline Run run_scanner(const std::vector<std::string>& arguments) {
+inline Run run_scanner(const std::vector<std::string>& arguments, const cli::Surroundings& around = {}) {
     std::ostringstream out;
     std::ostringstream err;
     Run result;
-    result.code = cli::run(arguments, out, err);
+    result.code = cli::run(arguments, out, err, around);
     result.out = out.str();
     result.err = err.str();
     return result;

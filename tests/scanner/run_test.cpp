@@ -116,7 +116,7 @@ TEST(Run, HelpsWithExamplesForEveryVerb) {
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.out, AllOf(HasSubstr("Exit codes:"), HasSubstr("  5  the device's answer makes no sense")));
     for (const std::string verb :
-         {"discover", "identity", "get", "set", "dump", "command", "call", "list", "completion"}) {
+         {"discover", "identity", "get", "set", "dump", "command", "call", "axis", "list", "completion"}) {
         EXPECT_THAT(help.out, HasSubstr("  " + verb));
         const auto result = run_scanner({verb, "--help"});
         EXPECT_EQ(result.code, 0);
