@@ -23,6 +23,7 @@ public:
     [[nodiscard]] Heat& heat() { return heat_; }
     [[nodiscard]] const Heat& heat() const { return heat_; }
     [[nodiscard]] ServoSettings& settings() { return settings_; }
+    [[nodiscard]] const ServoSettings& settings() const { return settings_; }
 
     /// Power: on holds the position where the axis stands, off lets it coast. The brake is the user's.
     void switch_on();

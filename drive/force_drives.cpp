@@ -32,7 +32,7 @@ Procedure::Progress ForceCalibration::step(Axis& axis, const ProcedureInputs&) {
 
 Procedure::Progress DriftCompensation::step(Axis& axis, const ProcedureInputs&) {
     if (stage_ != Stage::starting && std::abs(axis.set_point().velocity) >= 0.99 * speed_) {
-        sum_ += axis.current();
+        sum_ += axis.force_current();
         ++samples_;
     }
     switch (stage_) {

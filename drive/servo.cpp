@@ -27,6 +27,8 @@ constexpr double standing_stiffness = 4;
 
 /// Control periods after which it is settled, and after which the dead band grows.
 constexpr int quiet_enough = 200;
+constexpr double held_by_friction = 0.7;
+constexpr double release = 0.97;  // of the integral stays, in each control period
 constexpr int second_increment_after = 800;
 constexpr int growing_after = 2000;
 constexpr int growing_each = 200;
@@ -146,6 +148,12 @@ void Servo::integrate_standing(double error, double velocity) {
                      : error > 0 ? std::max(stuck_gain * push, least)
                                  : std::min(stuck_gain * push, least);
         restless_ = std::min(restless_ + 1, 1'000'000);
+    } else if (velocity == 0 && std::abs(integral_) < held_by_friction * settings_.friction) {
+        // Friction holds the axis as well; a current for nothing would only warm the motor.
+        integral_ *= release;
+        if (std::abs(integral_) < no_current * kind_.force_constant) {
+            integral_ = 0;
+        }
     }
 }
 

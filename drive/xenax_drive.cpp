@@ -23,6 +23,8 @@ constexpr double highest_stage_temperature = 90;
 constexpr double harmless_share = 0.3;
 // Slower than this is standing, increment/s.
 constexpr double standstill = 500;
+// A limit of 0 would be none, A.
+constexpr double least_force_limit = 1e-3;
 
 std::int64_t rounded(double value) { return std::llround(value); }
 
@@ -57,7 +59,7 @@ void XenaxDrive::power_up() {
     power_stage_failed_ = false;
     brake_periods_ = power_off_periods_ = 0;
     reference_done_ = reference_failed_ = following_failed_ = limited_ = target_reached_ = false;
-    in_force_ = force_limit_reached_ = calibrated_ = false;
+    in_force_ = force_limit_reached_ = calibrated_ = gantry_ = false;
     force_offset_ = measured_force_zero_ = 0;
     program_ = nullptr;
     program_paused_ = false;
@@ -113,14 +115,14 @@ bool XenaxDrive::idle() const {
 }
 
 /// The time that the target window asks for has nothing left to count.
-bool XenaxDrive::target_settled() const { return !in_position() || window_periods_ >= window_periods_wanted(); }
+bool XenaxDrive::target_settled() const { return !in_position() || window_periods_ > window_periods_wanted(); }
 
 std::int64_t XenaxDrive::window_periods_wanted() const { return v_.target_window_time.get() * periods_per_ms; }
 
 void XenaxDrive::period() {
     watch_inputs();
     if (motion_ == Motion::procedure) run_procedure();
-    if (motion_ == Motion::jog || motion_ == Motion::following) watch_soft_limits();
+    if (motion_ == Motion::jog || procedure_kind_ == ProcedureKind::drive_force) watch_soft_limits();
     axis_.step();
     sample();
     after_motion();
@@ -132,13 +134,13 @@ void XenaxDrive::period() {
     if (power_off_periods_ > 0 && --power_off_periods_ == 0) axis_.switch_off();
     if (brake_periods_ > 0 && --brake_periods_ == 0) {
         axis_.set_brake(false);
-        // The controller still asks for what had to wait for the brake.
-        machine_.on_control_word(machine_.control_word(), *this);
+        brake_is_open();
     }
 }
 
 void XenaxDrive::run_procedure() {
     const auto progress = procedure_->step(axis_, procedure_inputs());
+    if (procedure_kind_ == ProcedureKind::reference && axis_.moving()) phased_ = true;
     if (progress != Procedure::Progress::running) end_procedure(progress);
 }
 
@@ -158,23 +160,34 @@ ProcedureInputs XenaxDrive::procedure_inputs() const {
 void XenaxDrive::sample() {
     const auto position = axis_.position();
     const bool measured = v_.forceteq_mode.get() != 0 && is_75v8s_;
-    limiter_.measure(axis_.contact_force() - measured_force_zero_, static_cast<double>(v_.force_bandwidth.get()));
+    limiter_.measure(axis_.contact_force(), static_cast<double>(v_.force_bandwidth.get()));
     if (monitor_.running()) {
-        monitor_.sample(position, measured ? rounded(limiter_.measured() * 1000) : i_force_10ma());
+        monitor_.sample(position, measured ? rounded(measured_force() * 1000) : i_force_10ma());
     }
     trigger_.step(position);
-    const int capture_input = is_48v8_ ? PositionCapture::input_of_48v8 : PositionCapture::input_of_75v8;
-    capture_.sample(is_set(active_inputs(levels_, input_settings_), capture_input), position);
 
     const bool limited_by_current = axis_.at_force_limit();
     force_limit_reached_ = limited_by_current;
     if (axis_.is_on() && measured_limit() > 0) {
-        axis_.settings().force_limit = limiter_.step(limiter_.measured(), measured_limit(),
-                                                     static_cast<double>(v_.force_controller_bandwidth.get()));
+        const double current = limiter_.step(measured_force(), measured_limit(),
+                                             static_cast<double>(v_.force_controller_bandwidth.get()));
+        measured_limit_met_ = measured_limit_met_ || limiter_.reached();
+        axis_.settings().force_limit = std::max(current * share_after_force_limit(), least_force_limit);
     }
 }
 
 std::int64_t XenaxDrive::i_force_10ma() const { return rounded((axis_.force_current() - force_offset_) * 100); }
+
+/// What the load cell shows, N.
+double XenaxDrive::measured_force() const { return limiter_.measured() - measured_force_zero_; }
+
+/// Whoever has met the force limit may lose what he pressed against. What is left of the current then, as the axis comes
+/// near to LFRMS.
+double XenaxDrive::share_after_force_limit() const {
+    const auto highest = static_cast<double>(v_.force_reached_speed.get());
+    if (!measured_limit_met_ || highest <= 0) return 1;
+    return std::clamp(2 * (1 - std::abs(axis_.velocity()) / highest), 0.0, 1.0);
+}
 
 /// The force that the load cell may show, N; 0: no limitation. LF counts with the load cell alone.
 double XenaxDrive::measured_limit() const {
@@ -196,7 +209,7 @@ void XenaxDrive::after_motion() {
     if (waiting_move_ && v_.override.get() > 0) {
         const Move move = *waiting_move_;
         waiting_move_.reset();
-        axis_.move_to(move.target, limits_of(move.speed, move.acceleration));
+        axis_.move_to(move.target, limits_of(move.speed * override_share(), move.acceleration));
         return;
     }
     if (waiting_move_ || axis_.moving() || motion_ == Motion::procedure) return;
@@ -220,7 +233,7 @@ void XenaxDrive::watch_target_window() {
     const bool inside =
         axis_.is_on() && !axis_.moving() && motion_ != Motion::procedure && !waiting_move_ && in_position();
     window_periods_ = inside ? window_periods_ + 1 : 0;
-    if (inside && window_periods_ > window_periods_wanted() && process_periods_ > 0) target_reached_ = true;
+    if (inside && window_periods_ > window_periods_wanted() && has_target_) target_reached_ = true;
 }
 
 void XenaxDrive::watch_inputs() {
@@ -229,6 +242,8 @@ void XenaxDrive::watch_inputs() {
     signals_.positive_limit_switch |= wired_.positive_limit_switch;
     signals_.emergency_exit |= wired_.emergency_exit;
     signals_.emergency_exit_power_on |= wired_.emergency_exit_power_on;
+    const int capture_input = is_48v8_ ? PositionCapture::input_of_48v8 : PositionCapture::input_of_75v8;
+    capture_.sample(is_set(active_inputs(levels_, input_settings_), capture_input), axis_.position());
     if (levels_ == seen_levels_) return;
     const auto requests = input_requests(seen_levels_, levels_, input_settings_);
     seen_levels_ = levels_;
@@ -372,6 +387,7 @@ void XenaxDrive::set_motor_rows() {
     row(v_.axis_resolution, kind.motion == AxisKind::Motion::linear ? kind.increments_per_unit : 0);
     row(v_.axis_stroke, kind.motion == AxisKind::Motion::linear ? kind.travel : 0);
     if (kind.increments_per_turn > 0) row(v_.encoder_increments, kind.increments_per_turn);
+    row(v_.pole_pairs, kind.pole_pairs);
     v_.store.assign(*motor_type_row_, kind.motor_type);
 
     const SafetySettings& safety = safety_.settings();
@@ -414,6 +430,7 @@ void XenaxDrive::apply_settings() {
                                         static_cast<std::int32_t>(v_.input_parameter_c[i].get())};
         output_settings_.functions[i] = v_.output_function[i].get();
     }
+    if (!axis_.is_on()) axis_.set_brake(has_brake());
 
     ForceMonitorSettings sectors;
     const bool measured = v_.forceteq_mode.get() != 0 && is_75v8s_;

@@ -63,7 +63,7 @@ private:
     /// What a direct command or a set-only row wants a motion to be like.
     struct Move {
         double target = 0;  ///< increments, absolute
-        double speed = 0;
+        double speed = 0;   ///< as programmed: the override comes on top
         double acceleration = 0;
     };
 
@@ -85,6 +85,8 @@ private:
     [[nodiscard]] std::int64_t i_force_10ma() const;
     [[nodiscard]] double measured_limit() const;
     [[nodiscard]] double current_limit() const;
+    [[nodiscard]] double measured_force() const;
+    [[nodiscard]] double share_after_force_limit() const;
     void apply_settings();
     void set_motor_rows();
     void supervise();
@@ -95,6 +97,7 @@ private:
     // xenax_writes.cpp: what a bus writes
     [[nodiscard]] std::optional<Refusal> check_command(std::uint32_t command) const;
     [[nodiscard]] std::optional<Refusal> check_motion() const;
+    [[nodiscard]] std::optional<Refusal> check_force_drive(std::int64_t number, bool measured) const;
     [[nodiscard]] std::optional<Refusal> check_power_on() const;
     void execute(std::uint32_t command);
     void written_command(Key key, std::int64_t value);
@@ -135,6 +138,7 @@ private:
     [[nodiscard]] bool may_move();
     [[nodiscard]] double limited(double target);
     [[nodiscard]] double set_speed() const;
+    [[nodiscard]] double base_of_way() const;
     [[nodiscard]] MotionLimits limits_of(double speed, double acceleration) const;
     [[nodiscard]] bool soft_limits() const;
     void watch_soft_limits();
@@ -143,6 +147,9 @@ private:
 
     // xenax_power.cpp: power, faults, safety
     void power_on_locally();
+    void brake_is_open();
+    [[nodiscard]] bool has_supply() const;
+    [[nodiscard]] bool may_be_moved() const;
     void power_off_locally();
     void enable_axis();
     void disable_axis();
@@ -197,6 +204,8 @@ private:
     int reaction_periods_ = 0;
     int brake_periods_ = 0;      ///< until the brake is open
     int power_off_periods_ = 0;  ///< until the current goes, while the brake closes
+    bool powers_on_locally_ = false;                 ///< by a command, and not by the control word
+    std::optional<std::uint32_t> command_for_power_;  ///< a command that waits for the brake
     bool power_stage_failed_ = false;
 
     // Motion
@@ -206,6 +215,7 @@ private:
     std::optional<Move> waiting_move_;  ///< for an override above 0
     std::optional<double> buffered_target_;
     std::optional<double> real_payload_;  ///< kg or kg m2, when it is not what ML says
+    bool has_target_ = false;  ///< a motion has been asked for in this mode, so that its target can be reached
     bool target_reached_ = false;
     bool reference_done_ = false;    ///< status word bits 10 and 12 of reference mode
     bool reference_failed_ = false;  ///< bit 13
@@ -214,10 +224,12 @@ private:
     bool in_force_ = false;
     bool force_limit_reached_ = false;
     bool calibrated_ = false;
+    bool gantry_ = false;  ///< the last reference was one of a gantry
     double force_offset_ = 0;                     ///< A that has drifted
-    double measured_force_zero_ = 0;              ///< N of the load cell (CLFO)
+    double measured_force_zero_ = 0;              ///< N that the load cell shows without force (CLFO)
     std::optional<double> motion_current_limit_;  ///< A, of the running force drive (IDIF, CLIF)
     std::optional<double> motion_force_limit_;    ///< N, of the running force drive (FDF, CLF)
+    bool measured_limit_met_ = false;             ///< since the motion began (LFRMS)
     int window_periods_ = 0;
     std::int64_t motion_periods_ = 0;
     std::int64_t process_periods_ = 0;

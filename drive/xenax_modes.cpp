@@ -23,7 +23,7 @@ constexpr std::uint16_t halt_bit = 1U << 8;
 // S-curves are profile position mode's (004 §3.3.1); every other ramp is as straight as this makes it.
 constexpr double straight_ramp = 1;
 // A linear axis searches its marks at this speed, increment/s, and with this acceleration, increment/s2.
-constexpr double mark_search_speed = 20'000;
+constexpr double mark_search_speed = 5'000;
 constexpr double mark_search_acceleration = 400'000;
 // The part of the nominal current with which a stop is met.
 constexpr double stop_search_share = 0.6;
@@ -76,8 +76,9 @@ void XenaxDrive::start_in_mode(std::uint16_t word, std::uint16_t rising, std::ui
 /// earlier is lost.
 void XenaxDrive::new_set_point(bool relative) {
     if (motion_ != Motion::none || axis_.moving() || !may_move()) return;
-    const double base = relative ? axis_.set_point().position : 0;
-    begin_move({base + static_cast<double>(v_.target.get()), set_speed(), static_cast<double>(v_.acceleration.get())});
+    const double base = relative ? base_of_way() : 0;
+    begin_move({base + static_cast<double>(v_.target.get()), static_cast<double>(v_.speed.get()),
+                static_cast<double>(v_.acceleration.get())});
 }
 
 /// Jog runs while bit 4 is set and halt is not; speed, acceleration and direction count at once (004 §5.4). While halt
@@ -132,8 +133,7 @@ void XenaxDrive::change_mode_if_standing() {
     }
     if (motion_ != Motion::none || axis_.moving()) return;
     v_.mode_displayed.set(wanted);
-    target_reached_ = false;
-    process_periods_ = 0;
+    target_reached_ = has_target_ = false;
     reference_done_ = reference_done_ && wanted == mode::reference;
     reference_failed_ = false;
     const bool by_itself = v_.automatic_reference.get() != 0 && !referenced_;
@@ -147,7 +147,7 @@ bool XenaxDrive::needs_reference() const { return axis_.kind().reference == Axis
 
 bool XenaxDrive::may_move() {
     if (machine_.state() != Ds402::State::operation_enabled || brake_periods_ > 0) return false;
-    if (safety_.blocks_motion() || signals_.emergency_exit_power_on) {
+    if (!may_be_moved()) {
         report(xenax::message("command_not_now"));
         return false;
     }
@@ -159,8 +159,11 @@ bool XenaxDrive::may_move() {
 }
 
 /// SP as the override leaves it.
-double XenaxDrive::set_speed() const {
-    return static_cast<double>(v_.speed.get()) * static_cast<double>(v_.override.get()) / 100;
+double XenaxDrive::set_speed() const { return static_cast<double>(v_.speed.get()) * override_share(); }
+
+/// Where a distance begins: at the set point, or where the axis stands when it presses and will never get there.
+double XenaxDrive::base_of_way() const {
+    return in_force_ ? static_cast<double>(axis_.position()) : axis_.set_point().position;
 }
 
 MotionLimits XenaxDrive::limits_of(double speed, double acceleration) const {
@@ -182,9 +185,9 @@ double XenaxDrive::limited(double target) {
     return allowed;
 }
 
-/// A jog brakes in time to stand at the limit.
+/// A jog, and a force drive that meets nothing, brake in time to stand at the limit.
 void XenaxDrive::watch_soft_limits() {
-    if (motion_ != Motion::jog || !soft_limits()) return;
+    if (motion_ == Motion::none || !soft_limits()) return;
     const double velocity = axis_.set_point().velocity;
     if (velocity == 0) return;
     const double acceleration = static_cast<double>(v_.acceleration.get());
@@ -201,12 +204,15 @@ void XenaxDrive::watch_soft_limits() {
 
 void XenaxDrive::begin_motion(Motion motion) {
     motion_ = motion;
+    if (in_force_) axis_.hold();  // the set point of a force drive is somewhere ahead
     motion_current_limit_.reset();
     motion_force_limit_.reset();
+    measured_limit_met_ = false;
     target_reached_ = false;
     in_force_ = false;
     following_failed_ = false;
     window_periods_ = 0;
+    has_target_ = true;
     motion_periods_ = process_periods_ = 0;
     // What a warning said about an earlier command is over when one succeeds.
     if (warning_ != nullptr && !cause_remains(*warning_)) warning_ = nullptr;
@@ -220,12 +226,11 @@ void XenaxDrive::begin_move(const Move& move) {
     monitor_.start();
     Move wanted = move;
     wanted.target = limited(move.target);
-    if (wanted.speed <= 0) {  // an override of 0 holds the motion back
-        wanted.speed = static_cast<double>(v_.speed.get());
+    if (v_.override.get() == 0) {  // it holds the motion back
         waiting_move_ = wanted;
         return;
     }
-    axis_.move_to(wanted.target, limits_of(wanted.speed, wanted.acceleration));
+    axis_.move_to(wanted.target, limits_of(wanted.speed * override_share(), wanted.acceleration));
 }
 
 void XenaxDrive::begin_jog(bool positive) {
@@ -251,8 +256,7 @@ void XenaxDrive::begin_stop() {
     const double acceleration = static_cast<double>(v_.acceleration.get());
     const double speed = std::max(std::abs(axis_.set_point().velocity), 10.0);
     const bool curved = motion_ == Motion::positioning;
-    waiting_move_.reset();
-    profile_parts_ = nullptr;
+    abort_motion();
     motion_ = Motion::stopping;
     axis_.stop(acceleration, curved ? limits_of(speed, acceleration).jerk : ramp_jerk(acceleration, speed));
 }
@@ -278,7 +282,7 @@ int XenaxDrive::reference_method_of_rows() const {
 
 void XenaxDrive::begin_reference(int method) {
     if (machine_.state() != Ds402::State::operation_enabled || motion_ != Motion::none || axis_.moving()) return;
-    if (safety_.blocks_motion() || signals_.emergency_exit_power_on) return report(xenax::message("command_not_now"));
+    if (!may_be_moved()) return report(xenax::message("command_not_now"));
     const bool linear = axis_.kind().motion == AxisKind::Motion::linear;
     reference_done_ = reference_failed_ = false;
     if (axis_.kind().reference == AxisKind::Reference::absolute) {  // nothing to search (004 §5.1.8)
@@ -308,7 +312,8 @@ void XenaxDrive::begin_reference(int method) {
         begin_procedure(ProcedureKind::reference, std::make_unique<RotativeReference>(search));
     }
     referenced_ = false;
-    if (linear && is_linear_gantry(method))
+    gantry_ = linear && is_linear_gantry(method);
+    if (gantry_)
         v_.gantry_offset.set(v_.preset_gantry_offset_enable.get() != 0 ? v_.preset_gantry_offset.get() : 0);
 }
 

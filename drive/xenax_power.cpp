@@ -1,6 +1,7 @@
 // Power, faults and messages of the XENAX: what the transitions of its state machine do (004 §4.1).
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "drive/xenax_drive.hpp"
 
@@ -18,7 +19,7 @@ constexpr double stage_temperature_after_reset = 80;
 bool XenaxDrive::allows(const Ds402::Transition& transition) {
     switch (transition.number) {
         case 3:
-            return !safety_.sto() && axis_.supply_voltage() >= lowest_supply && !signals_.emergency_exit;
+            return !safety_.sto() && has_supply() && !signals_.emergency_exit;
         case 4:
             if (has_brake() && axis_.brake() && brake_periods_ == 0) {
                 brake_periods_ = static_cast<int>(v_.brake_delay.get() * periods_per_ms);
@@ -39,6 +40,9 @@ void XenaxDrive::happened(const Ds402::Transition& transition) {
             break;
         case 4:
             enable_axis();
+            if (v_.mode_displayed.get() == 6 && v_.automatic_reference.get() != 0 && !referenced_) {
+                begin_reference(static_cast<int>(v_.reference_method.get()));
+            }
             break;
         case 5:
         case 6:
@@ -82,8 +86,7 @@ void XenaxDrive::enable_axis() {
     if (!axis_.is_on()) axis_.switch_on();
     if (brake_periods_ == 0) axis_.set_brake(false);
     if (!needs_reference()) phased_ = true;
-    target_reached_ = limited_ = false;
-    process_periods_ = 0;
+    target_reached_ = has_target_ = limited_ = false;
     reference_done_ = reference_done_ && v_.mode_displayed.get() == 6;
     axis_.settings().position_control = true;
     axis_.settings().cogging_compensation = calibrated_;
@@ -97,7 +100,10 @@ void XenaxDrive::disable_axis() {
     motion_current_limit_.reset();
     motion_force_limit_.reset();
     target_reached_ = in_force_ = false;
+    axis_.settings().position_control = true;
     brake_periods_ = 0;
+    powers_on_locally_ = false;
+    command_for_power_.reset();
     inverter_on_ = false;
     const bool holds = has_brake() && axis_.is_on() && !safety_.sto() && !axis_.encoder_lost();
     if (has_brake()) axis_.set_brake(true);
@@ -116,10 +122,29 @@ bool XenaxDrive::has_brake() const {
 /// (004 §4.2.7).
 void XenaxDrive::power_on_locally() {
     using enum Ds402::Event;
+    powers_on_locally_ = machine_.state() != Ds402::State::operation_enabled;
     for (const auto event : {fault_reset, shutdown, switch_on, enable_operation}) {
         if (machine_.state() == Ds402::State::operation_enabled) return;
         machine_.on_event(event, *this);
     }
+}
+
+/// What had to wait for the brake: a command, or what the controller still asks for.
+void XenaxDrive::brake_is_open() {
+    if (powers_on_locally_) {
+        machine_.on_event(Ds402::Event::enable_operation, *this);
+    } else {
+        machine_.on_control_word(machine_.control_word(), *this);
+    }
+    const auto command = std::exchange(command_for_power_, std::nullopt);
+    if (command && machine_.state() == Ds402::State::operation_enabled) execute(*command);
+}
+
+bool XenaxDrive::has_supply() const { return axis_.supply_voltage() >= lowest_supply; }
+
+/// Nothing from outside holds it, and the controller works (FCT0).
+bool XenaxDrive::may_be_moved() const {
+    return !safety_.blocks_motion() && !signals_.emergency_exit_power_on && axis_.settings().position_control;
 }
 
 void XenaxDrive::power_off_locally() { machine_.on_event(Ds402::Event::disable_voltage, *this); }

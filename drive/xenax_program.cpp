@@ -43,8 +43,8 @@ bool XenaxDrive::next_profile_part() {
         return false;
     }
     const ProfilePart& part = (*profile_parts_)[profile_part_++];
-    const double base = part.relative ? axis_.set_point().position : 0;
-    begin_move({base + static_cast<double>(part.target), static_cast<double>(part.speed) * override_share(),
+    const double base = part.relative ? base_of_way() : 0;
+    begin_move({base + static_cast<double>(part.target), static_cast<double>(part.speed),
                 static_cast<double>(part.acceleration)});
     return true;
 }

@@ -29,12 +29,14 @@ std::uint32_t bit(Bit number, bool set) {
 }  // namespace
 
 bool XenaxDrive::in_motion() const {
-    return axis_.moving() || waiting_move_.has_value() || motion_ == Motion::procedure || motion_ == Motion::jog;
+    // While a reference finds its electrical angle, and while it settles, the real drive shows no motion.
+    const bool procedure = motion_ == Motion::procedure && procedure_kind_ != ProcedureKind::reference;
+    return axis_.moving() || waiting_move_.has_value() || procedure || motion_ == Motion::jog;
 }
 
 /// Within the target window of where the motion ends.
 bool XenaxDrive::in_position() const {
-    if (!axis_.is_on() || motion_ == Motion::jog || motion_ == Motion::procedure) return false;
+    if (!axis_.is_on() || motion_ == Motion::jog || (motion_ == Motion::procedure && in_motion())) return false;
     const bool positioning = motion_ == Motion::positioning && !waiting_move_;
     const double target = waiting_move_ ? waiting_move_->target
                           : positioning ? axis_.profile().end().position
@@ -84,11 +86,10 @@ std::uint16_t XenaxDrive::status_word() const {
 std::uint32_t XenaxDrive::process_status() const {
     const bool calibrates = procedure_kind_ == ProcedureKind::force_calibration;
     const bool drifts = procedure_kind_ == ProcedureKind::drift_compensation;
-    const bool gantry = v_.reference_method.get() >= 3 && v_.reference_method.get() <= 6;
     const bool load_cell = measured_limit() > 0;
     return bit(0, error_ != nullptr) | bit(1, referenced_) | bit(2, in_motion()) | bit(3, in_position()) |
            bit(4, program_ == nullptr) | bit(5, in_force_) | bit(6, monitor_.in_sector(axis_.position())) |
-           bit(7, monitor_.passed()) | bit(8, inverter_on_) | bit(9, gantry && referenced_) |
+           bit(7, monitor_.passed()) | bit(8, inverter_on_) | bit(9, gantry_ && referenced_) |
            bit(10, signals_.negative_limit_switch) | bit(11, signals_.positive_limit_switch) |
            bit(12, signals_.emergency_exit_power_on) | bit(13, signals_.emergency_exit) | bit(14, calibrates) |
            bit(15, force_limit_reached_ && !load_cell) | bit(16, safety_.sto()) | bit(17, safety_.ss1()) |
@@ -152,7 +153,7 @@ void XenaxDrive::publish() {
 
 void XenaxDrive::publish_force() {
     v_.force_current.set(as_i32((axis_.force_current() - force_offset_) * 1000));
-    v_.force_actual.set(is_75v8s_ ? within(limiter_.measured() * 1000, -200'000, 200'000) : 0);
+    v_.force_actual.set(is_75v8s_ ? within(measured_force() * 1000, -200'000, 200'000) : 0);
     v_.force_peak.set(monitor_.peak());
     v_.failed_sectors.set(monitor_.failed());
     for (std::size_t i = 0; i < force_sectors; ++i) v_.sector_peak[i].set(monitor_.peak(i));
@@ -173,6 +174,9 @@ void XenaxDrive::publish_inputs_and_outputs() {
 void XenaxDrive::publish_messages() {
     const xenax::Message* shown = error_ != nullptr ? error_ : warning_ != nullptr ? warning_ : information_;
     v_.error_number.set(shown == nullptr ? 0 : shown->number);
+    // How the safety unit numbers its errors is not printed: the number of the display.
+    const bool of_safety_unit = error_ == &xenax::message("ss2_hit") || error_ == &xenax::message("sls_speed_hit");
+    v_.safety_error.set(of_safety_unit ? error_->number : 0);
     v_.safety_error.set(error_ != nullptr && xenax::is_of_safety_unit(*error_) ? error_->number : 0);
     if (shown == shown_) return;
     shown_ = shown;

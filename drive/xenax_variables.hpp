@@ -119,6 +119,7 @@ struct XenaxVariables {
     Row<0x65, 0x8C> dynamic_distance{store};               ///< DIXD
     Row<0x65, 0x8D> dynamic_type{store};                   ///< TYIXD
     Row<0x65, 0x95> preset_gantry_offset_enable{store};    ///< EGMSO
+    Row<0x65, 0x97> pole_pairs{store};                     ///< POL
     Row<0x65, 0x98> encoder_increments{store};             ///< ENC
     Row<0x65, 0x9B> motor_mass{store};                     ///< MAMO
     Row<0x65, 0x9C> force_constant{store};                 ///< FCM

@@ -80,8 +80,10 @@ bool is_rotative(const AxisKind& kind) { return kind.motion == AxisKind::Motion:
 std::optional<Refusal> XenaxDrive::check(const Parameter& row, const Value& value) const {
     const Key key = row.key();
     if (key == direct_command) return check_command(static_cast<std::uint32_t>(std::get<std::int64_t>(value)));
-    const bool moves = key == go_immediately || key == start_index_row || key == start_profile ||
-                       key == drive_i_force || key == drive_force;
+    if (key == drive_i_force || key == drive_force) {
+        return check_force_drive(std::get<std::int64_t>(value), key == drive_force);
+    }
+    const bool moves = key == go_immediately || key == start_index_row || key == start_profile;
     if (moves) {
         return check_motion();
     }
@@ -93,14 +95,20 @@ std::optional<Refusal> XenaxDrive::check(const Parameter& row, const Value& valu
 std::optional<Refusal> XenaxDrive::check_motion() const {
     const auto mode = v_.mode_displayed.get();
     const bool free = machine_.state() == Ds402::State::operation_enabled && motion_ == Motion::none && !axis_.moving();
-    const bool blocked = safety_.blocks_motion() || signals_.emergency_exit_power_on || brake_periods_ > 0;
-    const bool may = free && !blocked && mode != 6 && mode != 8 && (referenced_ || !needs_reference());
+    const bool may = free && may_be_moved() && brake_periods_ == 0 && mode != 6 && mode != 8 && (referenced_ || !needs_reference());
     return may ? std::nullopt : std::optional<Refusal>(Refusal::wrong_state);
+}
+
+/// A Drive Force without a force would press with all that the motor has; and an override of 0 does not hold a force
+/// drive back, as it does a motion to a target.
+std::optional<Refusal> XenaxDrive::check_force_drive(std::int64_t number, bool measured) const {
+    if (measured && v_.drive_force[static_cast<std::size_t>(number - 1)].get() == 0) return Refusal::not_configured;
+    return v_.override.get() == 0 ? Refusal::wrong_state : check_motion();
 }
 
 std::optional<Refusal> XenaxDrive::check_power_on() const {
     const bool fault = error_ != nullptr && cause_remains(*error_);
-    const bool impossible = fault || safety_.sto() || signals_.emergency_exit || axis_.encoder_lost() ||
+    const bool impossible = fault || safety_.sto() || signals_.emergency_exit || axis_.encoder_lost() || !has_supply() ||
                             machine_.state() == Ds402::State::fault_reaction_active;
     return impossible ? std::optional<Refusal>(Refusal::wrong_state) : std::nullopt;
 }
@@ -115,7 +123,7 @@ std::optional<Refusal> XenaxDrive::check_command(std::uint32_t number) const {
         case Command::rsto:
             if (static_cast<Command>(number) == Command::rsto && is_rotative(axis_.kind()))
                 return Refusal::not_configured;
-            return standing ? check_power_on() : Refusal::wrong_state;
+            return standing && may_be_moved() ? check_power_on() : Refusal::wrong_state;
         case Command::mlc:
             return is_rotative(axis_.kind()) ? Refusal::not_configured : check_motion();
         case Command::pw:
@@ -123,7 +131,7 @@ std::optional<Refusal> XenaxDrive::check_command(std::uint32_t number) const {
         case Command::pwc:
             return phased_ || is_rotative(axis_.kind()) ? check_power_on() : Refusal::wrong_state;
         case Command::pwr:
-            return check_power_on();
+            return standing ? check_power_on() : Refusal::wrong_state;
         case Command::gp:
         case Command::gw:
         case Command::ifdcp:
@@ -132,14 +140,15 @@ std::optional<Refusal> XenaxDrive::check_command(std::uint32_t number) const {
         case Command::jp:
         case Command::jn:
             // From one direction to the other without a stop between, as the drive takes it.
-            return motion_ == Motion::jog && v_.mode_displayed.get() != -1 ? std::nullopt : check_motion();
+            if (v_.mode_displayed.get() == -1) return Refusal::wrong_state;  // there the control word decides
+            return motion_ == Motion::jog ? std::nullopt : check_motion();
         case Command::gz:
             return is_rotative(axis_.kind()) ? check_motion() : Refusal::not_configured;
         case Command::fc:
             return v_.mode_displayed.get() == 0 ? check_motion() : Refusal::wrong_state;
         case Command::fct1:
         case Command::fct2:
-            return check_motion();
+            return axis_.is_on() && !axis_.settings().position_control ? std::nullopt : check_motion();
         case Command::res:
         case Command::resm:
             return only_if(standing && !axis_.is_on());
@@ -167,10 +176,12 @@ void XenaxDrive::execute(std::uint32_t number) {
     switch (static_cast<Command>(number)) {
         case Command::ref:
             power_on_locally();
+            if (brake_periods_ > 0) command_for_power_ = number;
             begin_reference(reference_method_of_rows());
             break;
         case Command::rsto: {
             power_on_locally();
+            if (brake_periods_ > 0) command_for_power_ = number;
             const bool positive = v_.direction_reference.get() % 2 == 0;
             const auto end = positive ? v_.mechanical_limit_positive.get() : v_.mechanical_limit_negative.get();
             begin_procedure(ProcedureKind::limit_stop, std::make_unique<LimitStopReference>(
@@ -197,10 +208,11 @@ void XenaxDrive::execute(std::uint32_t number) {
             power_off_locally();
             break;
         case Command::gp:
-            begin_move({static_cast<double>(v_.target.get()), set_speed(), static_cast<double>(v_.acceleration.get())});
+            begin_move({static_cast<double>(v_.target.get()), static_cast<double>(v_.speed.get()),
+                        static_cast<double>(v_.acceleration.get())});
             break;
         case Command::gw:
-            begin_move({axis_.set_point().position + static_cast<double>(v_.way.get()), set_speed(),
+            begin_move({base_of_way() + static_cast<double>(v_.way.get()), static_cast<double>(v_.speed.get()),
                         static_cast<double>(v_.acceleration.get())});
             break;
         case Command::jp:
@@ -209,13 +221,15 @@ void XenaxDrive::execute(std::uint32_t number) {
             break;
         case Command::sm:
             program_ = nullptr;
-            if (motion_ != Motion::none && v_.mode_displayed.get() != 8) begin_stop();
+            // A quick stop is harder than this one.
+            if (motion_ == Motion::none || motion_ == Motion::quick_stop || v_.mode_displayed.get() == 8) break;
+            begin_stop();
             break;
         case Command::gz: {
             // The nearest position whose place in the turn is the Z-mark's.
             const double turn = axis_.kind().increments_per_turn;
             const double zero = axis_.kind().z_mark + axis_.encoder_offset();
-            const double turns = std::round((axis_.set_point().position - zero) / turn);
+            const double turns = std::round((base_of_way() - zero) / turn);
             begin_move({zero + turns * turn, static_cast<double>(std::max<std::int64_t>(v_.z_mark_speed.get(), 10)),
                         static_cast<double>(v_.acceleration.get())});
             break;
@@ -275,7 +289,7 @@ void XenaxDrive::execute(std::uint32_t number) {
             apply_settings();
             break;
         case Command::clfo:
-            measured_force_zero_ += limiter_.measured();
+            measured_force_zero_ = limiter_.measured();
             break;
     }
 }
@@ -317,7 +331,8 @@ void XenaxDrive::written_command(Key key, std::int64_t value) {
     } else if (key == trigger_downward) {
         trigger_.set_downward(value);
     } else if (key == go_immediately) {
-        begin_move({static_cast<double>(value), set_speed(), static_cast<double>(v_.acceleration.get())});
+        begin_move({static_cast<double>(value), static_cast<double>(v_.speed.get()),
+                    static_cast<double>(v_.acceleration.get())});
     } else if (key == start_index_row) {
         start_index(value);
     } else if (key == start_program) {
@@ -350,7 +365,7 @@ void XenaxDrive::written_parameter(Key key) {
         outputs_.write_word(static_cast<std::uint32_t>(v_.digital_outputs.get()));
     } else if (key == clear_force_offset) {
         if (std::get<std::int64_t>(v_.store.value(*v_.store.find(key))) == 1) {
-            measured_force_zero_ += limiter_.measured();
+            measured_force_zero_ = limiter_.measured();
         }
     }
     apply_settings();
@@ -364,15 +379,14 @@ void XenaxDrive::start_index(std::int64_t number) {
     const auto type = dynamic ? v_.dynamic_type.get() : v_.index_type[i].get();
     const auto distance = static_cast<double>(dynamic ? v_.dynamic_distance.get() : v_.index_distance[i].get());
     constexpr std::int64_t relative = 2;
-    begin_move({type == relative ? axis_.set_point().position + distance : distance,
-                static_cast<double>(dynamic ? v_.dynamic_speed.get() : v_.index_speed[i].get()) *
-                    static_cast<double>(v_.override.get()) / 100,
+    begin_move({type == relative ? base_of_way() + distance : distance,
+                static_cast<double>(dynamic ? v_.dynamic_speed.get() : v_.index_speed[i].get()),
                 1000 * static_cast<double>(dynamic ? v_.dynamic_acceleration.get() : v_.index_acceleration[i].get())});
 }
 
 void XenaxDrive::start_force_drive(std::int64_t number, bool measured) {
     const auto i = static_cast<std::size_t>(number - 1);
-    const auto speed = static_cast<double>(v_.force_drive_speed[i].get());
+    const auto speed = static_cast<double>(v_.force_drive_speed[i].get()) * override_share();
     const bool positive = v_.force_drive_direction[i].get() == 0;
     if (!may_move()) return;
     begin_procedure(ProcedureKind::drive_force,
@@ -399,7 +413,7 @@ void XenaxDrive::on_request(const InputRequest& request) {
         start();
     };
     const auto move_to = [&](double target) {
-        begin_move({target, request.b > 0 ? request.b : set_speed(),
+        begin_move({target, request.b > 0 ? request.b : static_cast<double>(v_.speed.get()),
                     request.c > 0 ? 1000.0 * request.c : static_cast<double>(v_.acceleration.get())});
     };
     switch (request.action) {
@@ -414,7 +428,7 @@ void XenaxDrive::on_request(const InputRequest& request) {
         case InputAction::go_position:
             return motion([&] { move_to(request.a); });
         case InputAction::go_way:
-            return motion([&] { move_to(axis_.set_point().position + request.a); });
+            return motion([&] { move_to(base_of_way() + request.a); });
         case InputAction::start_index:
             return motion([&] { start_index(std::clamp(request.a, 0, 50)); });
         case InputAction::start_program:
@@ -430,7 +444,8 @@ void XenaxDrive::on_request(const InputRequest& request) {
         case InputAction::jog_negative:
             return command(Command::jn);
         case InputAction::drive_force:
-            return motion([&] { start_force_drive(std::clamp(request.a, 1, 10), false); });
+            if (check_force_drive(std::clamp(request.a, 1, 10), false)) return report(xenax::message("command_not_now"));
+            return start_force_drive(std::clamp(request.a, 1, 10), false);
         case InputAction::capture_position:
             return capture_.capture(axis_.position());
         case InputAction::take_sector_offset:
@@ -444,10 +459,13 @@ void XenaxDrive::on_request(const InputRequest& request) {
 /// RES: everything that can be set, as delivered; what the drive tells stays true.
 void XenaxDrive::reset_parameters() {
     const auto mode = v_.mode_requested.get();
+    const auto displayed = v_.mode_displayed.get();
     const auto word = v_.control_word.get();
     v_.store.reset();
     v_.mode_requested.set(mode);
+    v_.mode_displayed.set(displayed);
     v_.control_word.set(word);
+    shown_ = nullptr;  // the text of a message is a row as well
     outputs_ = {};
     monitor_.configure({});
     set_motor_rows();

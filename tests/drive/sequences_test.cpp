@@ -56,8 +56,8 @@ TEST(Reference, OfALinearAxis) {
         drive.power_on();
         EXPECT_FALSE(drive.bit("Statusword", 12));
         drive.set("Controlword", 0x1F);
-        drive.run(1ms);
-        EXPECT_TRUE(drive.bit("ProcessStatusRegisterXENAX", 2));
+        // First the electrical angle, which shows no motion.
+        EXPECT_TRUE(drive.runs_until([&] { return drive.bit("ProcessStatusRegisterXENAX", 2); }, 2s));
         EXPECT_FALSE(drive.bit("ProcessStatusRegisterXENAX", 1));
         EXPECT_TRUE(drive.runs_until([&] { return drive.bit("Statusword", 12); }, 10s));
         EXPECT_TRUE(drive.bit("Statusword", 10));
@@ -185,6 +185,17 @@ TEST(ProfilePosition, AbsoluteThenRelative) {
     drive.run(300ms);
     EXPECT_NEAR(static_cast<double>(drive.get("PositionActualValue")), 70'000, 2);
     EXPECT_EQ(drive.word("ProcessStatusRegisterXENAX"), 0x0200'015AU);
+}
+
+TEST(ProfilePosition, ReachesATargetWhereItAlreadyStands) {
+    DriveHarness drive;
+    drive.reference();
+    drive.move(0, true);
+    drive.move(50'000);
+    drive.run(500ms);
+    drive.move(50'000);
+    EXPECT_NEAR(static_cast<double>(drive.get("PositionActualValue")), 50'000, 2);
+    EXPECT_LT(std::abs(drive.get("MotorCurrentActualValue")), 100) << "friction holds it";
 }
 
 TEST(ProfilePosition, TakesANewSetPointOnlyAtTheTarget) {
