@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -30,7 +35,8 @@ protected:
         // A loopback address that no other test has.
         const auto number = static_cast<unsigned>(getpid()) & 0xFFFFU;
         host = "127.88." + std::to_string(number >> 8) + "." + std::to_string(number & 0xFF);
-        std::vector<std::string> words{adapter, "--bind", host, "--port", "44818", "--log-level", "error"};
+        std::vector<std::string> words{adapter,       "--bind", host,        "--port",      "44818",
+                                       "--log-level", "error",  "--control", control_path()};
         std::vector<char*> argv;
         for (auto& word : words) argv.push_back(word.data());
         argv.push_back(nullptr);
@@ -52,6 +58,26 @@ protected:
         int status = 0;
         waitpid(adapter_, &status, 0);
         EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+
+    std::string file(const std::string& name) const {
+        return (std::filesystem::temp_directory_path() / ("servobus-" + std::to_string(getpid()) + name)).string();
+    }
+    std::string control_path() const { return file(".control"); }
+
+    /// A line to the control socket of the drive; the line that answers it.
+    std::string control(const std::string& line) const {
+        const int descriptor = socket(AF_UNIX, SOCK_STREAM, 0);
+        sockaddr_un address{};
+        address.sun_family = AF_UNIX;
+        std::strncpy(address.sun_path, control_path().c_str(), sizeof address.sun_path - 1);
+        EXPECT_EQ(connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+        const auto text = line + "\n";
+        EXPECT_EQ(write(descriptor, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+        std::string answer;
+        for (char octet = 0; read(descriptor, &octet, 1) == 1 && octet != '\n';) answer += octet;
+        close(descriptor);
+        return answer;
     }
 
     std::string host;
@@ -116,6 +142,43 @@ TEST_F(EndToEnd, DumpsEverything) {
 TEST_F(EndToEnd, GivesCommands) {
     EXPECT_EQ(run_scanner({"command", host, "REF"}).code, 0);
     EXPECT_EQ(run_scanner({"command", host, "REFERENZ"}).code, 2);
+}
+
+TEST_F(EndToEnd, MovesAnAxisAndDrawsIt) {
+    const auto early = run_scanner({"axis", host, "move", "1000"});
+    EXPECT_EQ(early.code, 6);
+    EXPECT_THAT(early.err, HasSubstr("call 'reference' first"));
+    EXPECT_EQ(run_scanner({"axis", host, "reference"}).code, 0);
+    EXPECT_EQ(run_scanner({"axis", host, "move", "0"}).code, 0);
+    const auto picture = file(".svg");
+    const auto table = file(".csv");
+    const auto move = run_scanner({"axis", host, "move", "100000", "--speed", "400000", "--acceleration", "4000000",
+                                   "--scurve", "60", "--trace", picture, "--trace", table});
+    EXPECT_EQ(move.code, 0) << move.err;
+    EXPECT_THAT(move.out, StartsWith("Moved to 100000 increments in 0."));
+    std::ifstream svg(picture);
+    EXPECT_THAT(std::string(std::istreambuf_iterator<char>(svg), {}),
+                AllOf(HasSubstr("<svg"), HasSubstr("acceleration")));
+    std::ifstream csv(table);
+    EXPECT_GT(std::count(std::istreambuf_iterator<char>(csv), {}, '\n'), 20);
+    std::filesystem::remove(picture);
+    std::filesystem::remove(table);
+    EXPECT_THAT(run_scanner({"axis", host, "move", "-5000", "--relative"}).out, StartsWith("Moved by -5000 to 9"));
+    EXPECT_THAT(run_scanner({"axis", host, "status"}).out,
+                AllOf(HasSubstr("Operation enabled"), HasSubstr("referenced")));
+}
+
+TEST_F(EndToEnd, ABlockedAxisFailsAndComesBackWithoutAReference) {
+    EXPECT_EQ(run_scanner({"axis", host, "reference"}).code, 0);
+    EXPECT_EQ(control(R"({"event": "block-axis"})"), R"({"ok":true})");
+    const auto blocked = run_scanner({"axis", host, "move", "100000"});
+    EXPECT_EQ(blocked.code, 6);
+    EXPECT_THAT(blocked.err, AllOf(HasSubstr("'Fault' with error 50: Following error"), HasSubstr("fault-reset")));
+    EXPECT_EQ(json::parse(control(R"({"query": "state"})"))["error"], 50);
+    EXPECT_EQ(control(R"({"event": "release-axis"})"), R"({"ok":true})");
+    EXPECT_THAT(run_scanner({"axis", host, "fault-reset"}).out, HasSubstr("it was error 50"));
+    EXPECT_EQ(run_scanner({"axis", host, "enable"}).code, 0);
+    EXPECT_THAT(run_scanner({"axis", host, "move", "100000"}).out, StartsWith("Moved to 100000"));
 }
 
 TEST_F(EndToEnd, RunsTheExample) {
