@@ -40,6 +40,25 @@ constexpr auto told = std::to_array<Told>({
     {"outputs", {0x65, 0x06}},     // TOX
 });
 
+std::string_view word(drive::OutputLevel level) {
+    switch (level) {
+        case drive::OutputLevel::open:
+            return "open";
+        case drive::OutputLevel::low:
+            return "low";
+        case drive::OutputLevel::high:
+            return "high";
+    }
+    return "open";
+}
+
+// Output 1 first.
+Answer output_wires(const drive::Device& device) {
+    auto wires = Answer::array();
+    for (int number = 1; number <= drive::digital_outputs; ++number) wires.push_back(word(device.output_wire(number)));
+    return wires;
+}
+
 std::string text_of(const Answer& answer) { return answer.dump(-1, ' ', false, Answer::error_handler_t::replace); }
 
 std::string refusal(const FileError& error) {
@@ -72,6 +91,7 @@ Answer state_of(const Adapter& adapter, enip::Time now) {
         answer["power"] = state && is_powered(*state);
     }
     for (const auto& [name, key] : told) answer[name] = value_of(device, key);
+    answer["output_wires"] = output_wires(device);
     return answer;
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "drive/digital_io.hpp"
 #include "drive/event.hpp"
 #include "drive/parameter.hpp"
 #include "drive/refusal.hpp"
@@ -26,6 +27,8 @@ public:
     [[nodiscard]] virtual std::optional<Time> next_deadline() const = 0;
     /// Something happens to it from outside.
     virtual void inject(const Event& event) = 0;
+    /// What output `number`, 1 to 8, does to its wire now.
+    [[nodiscard]] virtual OutputLevel output_wire(int number) const = 0;
     /// Logic power off and on. The store has just been reset.
     virtual void power_up() = 0;
 

@@ -73,6 +73,10 @@ void Device::inject(const Event& event) {
     }
 }
 
+OutputLevel Device::output_wire(int number) const {
+    return behaviour_ ? behaviour_->output_wire(number) : OutputLevel::open;
+}
+
 void Device::reset() {
     reset_store();
     if (behaviour_) {

@@ -106,6 +106,8 @@ public:
     [[nodiscard]] std::optional<Time> next_deadline() const;
     /// Something happens from outside. Without a machine nothing does.
     void inject(const Event& event);
+    /// What output `number`, 1 to 8, does to its wire; open without a machine.
+    [[nodiscard]] OutputLevel output_wire(int number) const;
 
     /// Back to the state after delivery: printed defaults, power off and on.
     void reset();

@@ -14,7 +14,10 @@ public:
     /// The load cell's reading through its filter; `bandwidth` in Hz (SQBW).
     void measure(double force, double bandwidth);
     [[nodiscard]] double measured() const { return measured_; }
-    void reset() { current_ = -1; }
+    void reset() {
+        current_ = -1;
+        limit_ = 0;
+    }
     /// The limit was reached in the last step.
     [[nodiscard]] bool reached() const { return reached_; }
     void release() { reached_ = false; }
@@ -22,6 +25,7 @@ public:
 private:
     AxisKind kind_;
     double current_ = -1;  ///< A; below 0: not started
+    double limit_ = 0;     ///< N or Nm, of the last step
     double measured_ = 0;
     bool reached_ = false;
 };

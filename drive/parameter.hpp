@@ -103,9 +103,9 @@ struct Parameter {
     std::optional<Key> selected_by{};  ///< that row (NIX, NSEC, ...) chooses which element this row shows
     std::uint16_t elements = 1;        ///< how many elements a selected row has
     Fidelity fidelity = Fidelity::behaves;
-    std::string_view remark{};         ///< why it is not, or what is different; a sentence
-    std::string_view section;          ///< "000 §2.3.1.1"
-    std::string_view text;             ///< one or two sentences for the engineer
+    std::string_view remark{};  ///< why it is not, or what is different; a sentence
+    std::string_view section;   ///< "000 §2.3.1.1"
+    std::string_view text;      ///< one or two sentences for the engineer
 
     [[nodiscard]] constexpr Key key() const { return {cip.class_id, cip.attribute}; }
     [[nodiscard]] constexpr bool is_text() const { return cip.type == Type::text; }

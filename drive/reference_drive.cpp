@@ -1,5 +1,6 @@
 #include "drive/reference_drive.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace servobus::drive {
@@ -163,8 +164,9 @@ Procedure::Progress RotativeReference::find_z_mark(Axis& axis) {
 void RotativeReference::found(Axis& axis, double zero) {
     zero_ = zero;
     stage_ = Stage::stopping;
-    axis.stop(search_.acceleration,
-              search_jerk(search_.acceleration, std::max(search_.z_mark_speed, search_.sensor_speed)));
+    // Both speeds are 0 where there is neither sensor nor Z-mark: the axis stands, and its place becomes 0.
+    const double speed = std::max({search_.z_mark_speed, search_.sensor_speed, 1.0});
+    axis.stop(search_.acceleration, search_jerk(search_.acceleration, speed));
 }
 
 Procedure::Progress LimitStopReference::step(Axis& axis, const ProcedureInputs&) {

@@ -55,4 +55,10 @@ void Safety::step(double position, double velocity) {
     }
 }
 
+void Safety::forget_hits() {
+    ss2_hit_ = sls_speed_hit_ = false;
+    watches_position_ = false;
+    ss2_periods_ = 0;
+}
+
 }  // namespace servobus::drive

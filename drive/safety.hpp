@@ -32,8 +32,8 @@ public:
 
     /// One control period.
     void step(double position, double velocity);
-    /// After a fault reset.
-    void forget_hits() { ss2_hit_ = sls_speed_hit_ = false; }
+    /// After a fault reset. SS2 then watches the place where the axis stands.
+    void forget_hits();
 
 private:
     SafetySettings settings_;

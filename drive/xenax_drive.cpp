@@ -50,7 +50,13 @@ std::unique_ptr<Behaviour> XenaxDrive::make(const Model& model, Store& store, co
 // Logic power has come. What is outside (the place of the axis, obstacles, levels at the inputs) is as it was; what the
 // drive knows is forgotten.
 void XenaxDrive::power_up() {
+    set_motor_rows();
+    restart();
+}
+
+void XenaxDrive::restart() {
     axis_.switch_off();
+    if (axis_.kind().reference != AxisKind::Reference::absolute) axis_.set_position(0);  // it counts from here
     machine_.reset();
     referenced_ = axis_.kind().reference == AxisKind::Reference::absolute;
     phased_ = referenced_;
@@ -58,6 +64,14 @@ void XenaxDrive::power_up() {
     inverter_on_ = false;
     power_stage_failed_ = false;
     brake_periods_ = power_off_periods_ = 0;
+    powers_on_locally_ = false;
+    command_for_power_.reset();
+    motion_current_limit_.reset();
+    motion_force_limit_.reset();
+    axis_.settings().position_control = true;
+    axis_.settings().cogging_compensation = false;
+    v_.mode_displayed.set(0);
+    has_target_ = false;
     reference_done_ = reference_failed_ = following_failed_ = limited_ = target_reached_ = false;
     in_force_ = force_limit_reached_ = calibrated_ = gantry_ = false;
     force_offset_ = measured_force_zero_ = 0;
@@ -70,7 +84,6 @@ void XenaxDrive::power_up() {
     monitor_ = {};
     outputs_ = {};
     seen_levels_ = levels_;
-    set_motor_rows();
     if (v_.auto_program.get() > 0) auto_program_periods_ = v_.auto_program_delay.get() * periods_per_ms;
     apply_settings();
     machine_.on_event(Ds402::Event::initialised, *this);
@@ -127,6 +140,8 @@ void XenaxDrive::period() {
     sample();
     after_motion();
     watch_target_window();
+    if (safety_.any()) safety_.step(static_cast<double>(axis_.position()), axis_.velocity());
+    if (machine_.state() == Ds402::State::fault_reaction_active) ++reaction_periods_;
     supervise();
     if (auto_program_periods_ >= 0 && auto_program_periods_-- == 0) begin_program(v_.auto_program.get());
     run_program();
@@ -169,8 +184,8 @@ void XenaxDrive::sample() {
     const bool limited_by_current = axis_.at_force_limit();
     force_limit_reached_ = limited_by_current;
     if (axis_.is_on() && measured_limit() > 0) {
-        const double current = limiter_.step(measured_force(), measured_limit(),
-                                             static_cast<double>(v_.force_controller_bandwidth.get()));
+        const double current =
+            limiter_.step(measured_force(), measured_limit(), static_cast<double>(v_.force_controller_bandwidth.get()));
         measured_limit_met_ = measured_limit_met_ || limiter_.reached();
         axis_.settings().force_limit = std::max(current * share_after_force_limit(), least_force_limit);
     }
@@ -181,11 +196,13 @@ std::int64_t XenaxDrive::i_force_10ma() const { return rounded((axis_.force_curr
 /// What the load cell shows, N.
 double XenaxDrive::measured_force() const { return limiter_.measured() - measured_force_zero_; }
 
-/// Whoever has met the force limit may lose what he pressed against. What is left of the current then, as the axis comes
-/// near to LFRMS.
+/// Whoever has met the force limit may lose what he pressed against: the share of the current that is left as the axis
+/// comes near to LFRMS.
 double XenaxDrive::share_after_force_limit() const {
     const auto highest = static_cast<double>(v_.force_reached_speed.get());
-    if (!measured_limit_met_ || highest <= 0) return 1;
+    // Pushed back it is not held by less current.
+    const bool runs_ahead = axis_.velocity() * axis_.current() > 0;
+    if (!measured_limit_met_ || highest <= 0 || !runs_ahead) return 1;
     return std::clamp(2 * (1 - std::abs(axis_.velocity()) / highest), 0.0, 1.0);
 }
 
@@ -243,7 +260,7 @@ void XenaxDrive::watch_inputs() {
     signals_.emergency_exit |= wired_.emergency_exit;
     signals_.emergency_exit_power_on |= wired_.emergency_exit_power_on;
     const int capture_input = is_48v8_ ? PositionCapture::input_of_48v8 : PositionCapture::input_of_75v8;
-    capture_.sample(is_set(active_inputs(levels_, input_settings_), capture_input), axis_.position());
+    capture_.sample(is_set(active_inputs(levels_, input_settings_), capture_input), shown_position());
     if (levels_ == seen_levels_) return;
     const auto requests = input_requests(seen_levels_, levels_, input_settings_);
     seen_levels_ = levels_;
@@ -310,6 +327,7 @@ void XenaxDrive::end_procedure(Procedure::Progress progress) {
 
 /// What the drive itself has to notice, in each period.
 void XenaxDrive::supervise() {
+    forget_what_is_over();
     supervise_safety();
     const Heat& heat = axis_.heat();
     const bool hot = heat.winding() > axis_.kind().temperature_limit;
@@ -317,7 +335,7 @@ void XenaxDrive::supervise() {
     const bool off = machine_.state() == Ds402::State::fault || machine_.state() == Ds402::State::fault_reaction_active;
     if (machine_.state() == Ds402::State::fault_reaction_active) {
         const bool stands = !axis_.moving() && std::abs(axis_.velocity()) < standstill;
-        if (!keeps_fault_power_ || stands || ++reaction_periods_ > longest_reaction) {
+        if (!keeps_fault_power_ || stands || torque_is_impossible() || reaction_periods_ > longest_reaction) {
             machine_.on_event(Ds402::Event::reaction_done, *this);
         }
         return;
@@ -355,19 +373,34 @@ void XenaxDrive::supervise_position() {
     }
 }
 
+/// What a safety function forbids is an error while there is torque; without torque it only keeps the power off.
 void XenaxDrive::supervise_safety() {
-    if (!safety_.any()) return;
-    const bool had_torque = inverter_on_;
-    safety_.step(static_cast<double>(axis_.position()), axis_.velocity());
-    if (safety_.sto() && had_torque) {
-        power_off_locally();
-        report(xenax::message("sto"));
-    }
-    if ((safety_.ss1() || safety_.ss2()) && had_torque && motion_ != Motion::none && motion_ != Motion::quick_stop) {
-        quick_stop_ramp();
-    }
-    if (safety_.ss2_hit() && had_torque) raise(xenax::message("ss2_hit"));
-    if (safety_.sls_speed_hit() && had_torque) raise(xenax::message("sls_speed_hit"));
+    if (safety_.ss2() && warning_ == nullptr) report(xenax::message("ss2"));
+    if (safety_.sls() && information_ == nullptr) report(xenax::message("sls"));
+    const bool torque = inverter_on_ || axis_.is_on();
+    if (!torque && error_ == nullptr) safety_.forget_hits();
+    if (!torque || !safety_.any()) return;
+    if (safety_.ss1()) raise(xenax::message("ss1"));
+    if (safety_.sto()) raise(xenax::message("sto"));
+    if (safety_.ss2_hit()) raise(xenax::message("ss2_hit"));
+    if (safety_.sls_speed_hit()) raise(xenax::message("sls_speed_hit"));
+    const bool drives = motion_ != Motion::none && motion_ != Motion::quick_stop;
+    if (safety_.ss2() && error_ == nullptr && drives) quick_stop_ramp();
+}
+
+/// A warning or an information that tells of something lasting goes when that is over.
+void XenaxDrive::forget_what_is_over() {
+    const auto is_over = [this](const xenax::Message* message) {
+        return message != nullptr && message->persists && !cause_remains(*message);
+    };
+    if (is_over(warning_)) warning_ = nullptr;
+    if (is_over(information_)) information_ = nullptr;
+}
+
+/// A ramp cannot be driven, whatever began it.
+bool XenaxDrive::torque_is_impossible() const {
+    return safety_.sto() || axis_.encoder_lost() || power_stage_failed_ || axis_.supply_voltage() < lowest_supply ||
+           axis_.supply_voltage() > highest_supply;
 }
 
 /// Rows whose value is the connected motor's (004 prints '-' for their defaults).
@@ -479,12 +512,8 @@ void XenaxDrive::inject(const Event& event) {
                    },
                    [&](const event::EmergencyExit& it) {
                        (it.keep_power ? wired_.emergency_exit_power_on : wired_.emergency_exit) = it.active;
-                       if (it.keep_power && !it.active) withdraw(xenax::message("emergency_exit_power_on"));
                    },
-                   [&](const event::SafetyStop& it) {
-                       safety_.request(it.function, it.active);
-                       if (it.function == event::SafetyFunction::sto && !it.active) withdraw(xenax::message("sto"));
-                   },
+                   [&](const event::SafetyStop& it) { safety_.request(it.function, it.active); },
                    [&](const event::LoseEncoder& it) {
                        axis_.set_encoder_lost(it.lost);
                        // Its counter stood still meanwhile; an absolute encoder knows where it is.
@@ -498,7 +527,7 @@ void XenaxDrive::inject(const Event& event) {
                        // Parameters are kept, commands are not.
                        v_.control_word.set(0);
                        v_.mode_requested.set(0);
-                       power_up();
+                       restart();
                    },
                },
                event);

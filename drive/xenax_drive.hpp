@@ -33,6 +33,7 @@ public:
     void step(Time now) override;
     [[nodiscard]] std::optional<Time> next_deadline() const override;
     void inject(const Event& event) override;
+    [[nodiscard]] OutputLevel output_wire(int number) const override;
     void power_up() override;
 
     // For tests and for people who look inside.
@@ -92,6 +93,10 @@ private:
     void supervise();
     void supervise_position();
     void supervise_safety();
+    void restart();
+    void forget_what_is_over();
+    [[nodiscard]] bool torque_is_impossible() const;
+    [[nodiscard]] std::int64_t shown_position() const;
     [[nodiscard]] ProcedureInputs procedure_inputs() const;
 
     // xenax_writes.cpp: what a bus writes
@@ -202,9 +207,9 @@ private:
     bool inverter_on_ = false;
     bool keeps_fault_power_ = false;  ///< the fault reaction still has a ramp to drive
     int reaction_periods_ = 0;
-    int brake_periods_ = 0;      ///< until the brake is open
-    int power_off_periods_ = 0;  ///< until the current goes, while the brake closes
-    bool powers_on_locally_ = false;                 ///< by a command, and not by the control word
+    int brake_periods_ = 0;                           ///< until the brake is open
+    int power_off_periods_ = 0;                       ///< until the current goes, while the brake closes
+    bool powers_on_locally_ = false;                  ///< by a command, and not by the control word
     std::optional<std::uint32_t> command_for_power_;  ///< a command that waits for the brake
     bool power_stage_failed_ = false;
 
@@ -214,6 +219,7 @@ private:
     std::unique_ptr<Procedure> procedure_;
     std::optional<Move> waiting_move_;  ///< for an override above 0
     std::optional<double> buffered_target_;
+    bool jog_positive_ = true;
     std::optional<double> real_payload_;  ///< kg or kg m2, when it is not what ML says
     bool has_target_ = false;  ///< a motion has been asked for in this mode, so that its target can be reached
     bool target_reached_ = false;
@@ -224,7 +230,7 @@ private:
     bool in_force_ = false;
     bool force_limit_reached_ = false;
     bool calibrated_ = false;
-    bool gantry_ = false;  ///< the last reference was one of a gantry
+    bool gantry_ = false;                         ///< the last reference was one of a gantry
     double force_offset_ = 0;                     ///< A that has drifted
     double measured_force_zero_ = 0;              ///< N that the load cell shows without force (CLFO)
     std::optional<double> motion_current_limit_;  ///< A, of the running force drive (IDIF, CLIF)

@@ -39,6 +39,12 @@ bool is_linear_gantry(std::int64_t method) { return method >= 3 && method <= 6; 
 void XenaxDrive::on_control_word(std::uint16_t word) {
     const auto before = machine_.control_word();
     machine_.on_control_word(word, *this);
+    // Whoever does not want operation any more need not wait for the brake.
+    const bool wants_operation = (word & 0x008F) == 0x000F;
+    if (brake_periods_ > 0 && machine_.state() == Ds402::State::switched_on && !wants_operation) {
+        disable_axis();
+        inverter_on_ = v_.switch_on_disable.get() == 0;
+    }
     if (machine_.state() != Ds402::State::operation_enabled) return;
     start_in_mode(word, static_cast<std::uint16_t>(word & ~before), static_cast<std::uint16_t>(before & ~word));
 }
@@ -55,7 +61,6 @@ void XenaxDrive::start_in_mode(std::uint16_t word, std::uint16_t rising, std::ui
             break;
         case mode::reference:
             if (((falling & start_bit) != 0 || halt) && procedure_kind_ == ProcedureKind::reference) {
-                abort_motion();
                 begin_stop();
             } else if ((rising & start_bit) != 0 && !halt) {
                 begin_reference(static_cast<int>(v_.reference_method.get()));
@@ -85,7 +90,7 @@ void XenaxDrive::new_set_point(bool relative) {
 /// stops the axis, bit 6 does not count (errata X-29).
 void XenaxDrive::update_jog() {
     if (v_.mode_displayed.get() != mode::jog || machine_.state() != Ds402::State::operation_enabled) {
-        if (motion_ == Motion::jog) begin_jog(axis_.profile().end().velocity > 0);
+        if (motion_ == Motion::jog) begin_jog(jog_positive_);
         return;
     }
     const auto word = machine_.control_word();
@@ -177,6 +182,7 @@ bool XenaxDrive::soft_limits() const {
 /// "Every new target position shall be checked against these limits" (004 §4.2.14): the axis goes as far as it may.
 double XenaxDrive::limited(double target) {
     limited_ = false;
+    withdraw(xenax::message("soft_limit"));
     if (!soft_limits()) return target;
     const double allowed = std::clamp(target, static_cast<double>(v_.soft_limit_negative.get()),
                                       static_cast<double>(v_.soft_limit_positive.get()));
@@ -216,12 +222,12 @@ void XenaxDrive::begin_motion(Motion motion) {
     motion_periods_ = process_periods_ = 0;
     // What a warning said about an earlier command is over when one succeeds.
     if (warning_ != nullptr && !cause_remains(*warning_)) warning_ = nullptr;
+    if (information_ != nullptr && !cause_remains(*information_)) information_ = nullptr;
     apply_settings();
 }
 
 void XenaxDrive::begin_move(const Move& move) {
     if (!may_move()) return;
-    if (information_ != nullptr && !cause_remains(*information_)) information_ = nullptr;
     begin_motion(Motion::positioning);
     monitor_.start();
     Move wanted = move;
@@ -245,7 +251,9 @@ void XenaxDrive::begin_jog(bool positive) {
         return;
     }
     if (motion_ != Motion::jog) begin_motion(Motion::jog);
+    jog_positive_ = positive;
     limited_ = false;
+    withdraw(xenax::message("soft_limit"));
     const double acceleration = static_cast<double>(v_.acceleration.get());
     const double speed = set_speed();
     axis_.run_at(positive ? speed : -speed, acceleration, ramp_jerk(acceleration, speed));
@@ -263,8 +271,6 @@ void XenaxDrive::begin_stop() {
 
 void XenaxDrive::quick_stop_ramp() {
     const double deceleration = static_cast<double>(v_.quick_stop_deceleration.get());
-    waiting_move_.reset();
-    buffered_target_.reset();
     abort_motion();
     motion_ = Motion::quick_stop;
     axis_.stop(deceleration, ramp_jerk(deceleration, std::max(std::abs(axis_.set_point().velocity), 10.0)));
@@ -313,8 +319,7 @@ void XenaxDrive::begin_reference(int method) {
     }
     referenced_ = false;
     gantry_ = linear && is_linear_gantry(method);
-    if (gantry_)
-        v_.gantry_offset.set(v_.preset_gantry_offset_enable.get() != 0 ? v_.preset_gantry_offset.get() : 0);
+    if (gantry_) v_.gantry_offset.set(v_.preset_gantry_offset_enable.get() != 0 ? v_.preset_gantry_offset.get() : 0);
 }
 
 void XenaxDrive::begin_procedure(ProcedureKind kind, std::unique_ptr<Procedure> procedure) {

@@ -53,7 +53,7 @@ void XenaxDrive::happened(const Ds402::Transition& transition) {
         case 12:
         case 14:
             disable_axis();
-            inverter_on_ = transition.number == 5;
+            inverter_on_ = transition.number == 5 && v_.switch_on_disable.get() == 0;
             break;
         case 11:
             quick_stop_ramp();
@@ -105,10 +105,15 @@ void XenaxDrive::disable_axis() {
     powers_on_locally_ = false;
     command_for_power_.reset();
     inverter_on_ = false;
-    const bool holds = has_brake() && axis_.is_on() && !safety_.sto() && !axis_.encoder_lost();
+    const bool holds = has_brake() && axis_.is_on() && !torque_is_impossible();
     if (has_brake()) axis_.set_brake(true);
     power_off_periods_ = holds ? static_cast<int>(v_.brake_delay.get() * periods_per_ms) : 0;
-    if (power_off_periods_ == 0) axis_.switch_off();
+    if (holds) {
+        axis_.hold();
+    } else {
+        axis_.switch_off();
+    }
+    apply_settings();  // the limits of a motion are over with it
     change_mode_if_standing();
 }
 
@@ -129,15 +134,12 @@ void XenaxDrive::power_on_locally() {
     }
 }
 
-/// What had to wait for the brake: a command, or what the controller still asks for.
+/// What had to wait for the brake: a command, or what the controller asks for, as if it did so in this moment.
 void XenaxDrive::brake_is_open() {
-    if (powers_on_locally_) {
-        machine_.on_event(Ds402::Event::enable_operation, *this);
-    } else {
-        machine_.on_control_word(machine_.control_word(), *this);
-    }
-    const auto command = std::exchange(command_for_power_, std::nullopt);
-    if (command && machine_.state() == Ds402::State::operation_enabled) execute(*command);
+    machine_.on_event(Ds402::Event::enable_operation, *this);
+    if (machine_.state() != Ds402::State::operation_enabled) return;
+    if (const auto command = std::exchange(command_for_power_, std::nullopt)) return execute(*command);
+    if (!powers_on_locally_) start_in_mode(machine_.control_word(), machine_.control_word(), 0);
 }
 
 bool XenaxDrive::has_supply() const { return axis_.supply_voltage() >= lowest_supply; }
@@ -157,7 +159,7 @@ void XenaxDrive::raise(const xenax::Message& message) {
 
 void XenaxDrive::report(const xenax::Message& message) {
     auto& place = message.severity == xenax::Severity::information ? information_ : warning_;
-    place = &message;
+    if (place == nullptr || !cause_remains(*place)) place = &message;
 }
 
 void XenaxDrive::withdraw(const xenax::Message& message) {

@@ -28,6 +28,9 @@ std::uint32_t bit(Bit number, bool set) {
 
 }  // namespace
 
+/// The counter has 32 bits; an axis without stops may turn farther.
+std::int64_t XenaxDrive::shown_position() const { return as_i32(static_cast<double>(axis_.position())); }
+
 bool XenaxDrive::in_motion() const {
     // While a reference finds its electrical angle, and while it settles, the real drive shows no motion.
     const bool procedure = motion_ == Motion::procedure && procedure_kind_ != ProcedureKind::reference;
@@ -116,6 +119,10 @@ OutputFlags XenaxDrive::output_flags() const {
     return flags;
 }
 
+OutputLevel XenaxDrive::output_wire(int number) const {
+    return output_level(outputs_.states(output_settings_, output_flags()), number, output_settings_);
+}
+
 /// 0 standing, 1 accelerating, 2 at constant speed, 3 decelerating; how the drive numbers them is not printed.
 int XenaxDrive::trajectory_state() const {
     if (!axis_.moving()) return 0;
@@ -125,7 +132,7 @@ int XenaxDrive::trajectory_state() const {
 }
 
 void XenaxDrive::publish() {
-    v_.position.set(axis_.position());
+    v_.position.set(shown_position());
     v_.velocity.set(as_i32(axis_.velocity()));
     v_.following_error.set(axis_.is_on() ? as_i32(axis_.following_error()) : 0);
     v_.motor_current.set(within(axis_.measured_current() * 1000, -20'000, 20'000));

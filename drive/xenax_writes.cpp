@@ -95,7 +95,8 @@ std::optional<Refusal> XenaxDrive::check(const Parameter& row, const Value& valu
 std::optional<Refusal> XenaxDrive::check_motion() const {
     const auto mode = v_.mode_displayed.get();
     const bool free = machine_.state() == Ds402::State::operation_enabled && motion_ == Motion::none && !axis_.moving();
-    const bool may = free && may_be_moved() && brake_periods_ == 0 && mode != 6 && mode != 8 && (referenced_ || !needs_reference());
+    const bool may =
+        free && may_be_moved() && brake_periods_ == 0 && mode != 6 && mode != 8 && (referenced_ || !needs_reference());
     return may ? std::nullopt : std::optional<Refusal>(Refusal::wrong_state);
 }
 
@@ -108,8 +109,8 @@ std::optional<Refusal> XenaxDrive::check_force_drive(std::int64_t number, bool m
 
 std::optional<Refusal> XenaxDrive::check_power_on() const {
     const bool fault = error_ != nullptr && cause_remains(*error_);
-    const bool impossible = fault || safety_.sto() || signals_.emergency_exit || axis_.encoder_lost() || !has_supply() ||
-                            machine_.state() == Ds402::State::fault_reaction_active;
+    const bool impossible = fault || safety_.sto() || signals_.emergency_exit || axis_.encoder_lost() ||
+                            !has_supply() || machine_.state() == Ds402::State::fault_reaction_active;
     return impossible ? std::optional<Refusal>(Refusal::wrong_state) : std::nullopt;
 }
 
@@ -285,7 +286,7 @@ void XenaxDrive::execute(std::uint32_t number) {
             monitor_.finish();
             break;
         case Command::tpso:
-            v_.sector_offset.set(axis_.position());
+            v_.sector_offset.set(shown_position());
             apply_settings();
             break;
         case Command::clfo:
@@ -297,6 +298,9 @@ void XenaxDrive::execute(std::uint32_t number) {
 void XenaxDrive::written(const Parameter& row) {
     if (row.is_text()) return;
     take(row);
+    // What a parameter makes of the inputs counts at once, also for an axis that is at rest.
+    watch_inputs();
+    supervise();
     publish();
 }
 
@@ -444,10 +448,11 @@ void XenaxDrive::on_request(const InputRequest& request) {
         case InputAction::jog_negative:
             return command(Command::jn);
         case InputAction::drive_force:
-            if (check_force_drive(std::clamp(request.a, 1, 10), false)) return report(xenax::message("command_not_now"));
+            if (check_force_drive(std::clamp(request.a, 1, 10), false))
+                return report(xenax::message("command_not_now"));
             return start_force_drive(std::clamp(request.a, 1, 10), false);
         case InputAction::capture_position:
-            return capture_.capture(axis_.position());
+            return capture_.capture(shown_position());
         case InputAction::take_sector_offset:
             return command(Command::tpso);
         case InputAction::fault_reset:
@@ -470,6 +475,8 @@ void XenaxDrive::reset_parameters() {
     monitor_.configure({});
     set_motor_rows();
     apply_settings();
+    shown_ = nullptr;  // its text has been reset as well
+    change_mode_if_standing();
 }
 
 /// RESM: what depends on the motor, as the connected motor needs it.

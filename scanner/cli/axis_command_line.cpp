@@ -74,6 +74,7 @@ CLI::Option* add_value(CLI::App& app, const std::string& name, AxisValue which, 
 
 std::string method_list() {
     std::vector<std::string_view> names;
+    names.reserve(method_names.size());
     for (const auto& row : method_names) names.push_back(row.name);
     return fmt::format("a number from 1 to 15, or {}", fmt::join(names, ", "));
 }

@@ -86,7 +86,7 @@ TEST_F(ControlLines, TheStateIsWhatTheTableSays) {
     EXPECT_EQ(answer(R"({"query": "state"})"),
               R"({"ok":true,"time":2.5,"statusword":4663,"state":"Operation enabled","power":true,"mode":1,)"
               R"("position":-40000,"velocity":2500,"current":-310,"error":0,"error_text":"no error",)"
-              R"("inputs":5,"outputs":2})");
+              R"("inputs":5,"outputs":2,"output_wires":["open","high","open","open","open","open","open","open"]})");
     EXPECT_EQ(fake_machine().steps.back(), drive::Time(1h) + 2500ms) << "it is the state of now";
 }
 

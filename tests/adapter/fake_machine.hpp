@@ -28,6 +28,9 @@ public:
         events.push_back(event);
         event_times.push_back(steps.empty() ? drive::Time{-1} : steps.back());
     }
+    [[nodiscard]] drive::OutputLevel output_wire(int number) const override {
+        return number == 2 ? drive::OutputLevel::high : drive::OutputLevel::open;
+    }
     void power_up() override { ++power_ups; }
 
     std::vector<drive::Time> steps;
