@@ -248,6 +248,7 @@ private:
     bool program_paused_ = false;
     const std::vector<ProfilePart>* profile_parts_ = nullptr;  ///< in connected_
     std::size_t profile_part_ = 0;
+    bool uncoupled_ = false;      ///< by SM, until SR is written again
     double master_speed_ = 0;     ///< increment/s
     double master_position_ = 0;  ///< increments
     double coupled_position_ = 0;

@@ -169,7 +169,7 @@ void XenaxDrive::withdraw(const xenax::Message& message) {
 
 void XenaxDrive::clear_messages() {
     error_ = warning_ = information_ = nullptr;
-    following_failed_ = false;
+    following_failed_ = reference_failed_ = false;
     safety_.forget_hits();
     power_stage_failed_ = false;
 }

@@ -98,7 +98,8 @@ void XenaxDrive::follow_master() {
     const auto ratio = static_cast<double>(v_.synchronous_ratio.get()) / 100;
     const bool coupled = motion_ == Motion::synchronous;
     if (!coupled) {
-        const bool wanted = ratio != 0 && master_speed_ != 0 && v_.mode_displayed.get() == 0 && !check_motion();
+        const bool wanted =
+            ratio != 0 && master_speed_ != 0 && !uncoupled_ && v_.mode_displayed.get() == 0 && !check_motion();
         if (!wanted) return;
         begin_motion(Motion::synchronous);
         coupled_position_ = axis_.set_point().position;

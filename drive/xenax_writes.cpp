@@ -222,6 +222,7 @@ void XenaxDrive::execute(std::uint32_t number) {
             break;
         case Command::sm:
             program_ = nullptr;
+            uncoupled_ = true;
             // A quick stop is harder than this one.
             if (motion_ == Motion::none || motion_ == Motion::quick_stop || v_.mode_displayed.get() == 8) break;
             begin_stop();
@@ -367,6 +368,8 @@ void XenaxDrive::written_parameter(Key key) {
         on_new_target();
     } else if (key == decltype(v_.digital_outputs)::key) {
         outputs_.write_word(static_cast<std::uint32_t>(v_.digital_outputs.get()));
+    } else if (key == decltype(v_.synchronous_ratio)::key) {
+        uncoupled_ = false;
     } else if (key == clear_force_offset) {
         if (std::get<std::int64_t>(v_.store.value(*v_.store.find(key))) == 1) {
             measured_force_zero_ = limiter_.measured();

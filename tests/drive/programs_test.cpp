@@ -132,6 +132,9 @@ TEST(SynchronousRatio, CouplesTheAxisToItsMaster) {
     drive.set("SR", -100);
     drive.run(1s);
     EXPECT_NEAR(static_cast<double>(drive.get("PositionActualValue")), begin + 15'000, 100);
+    drive.command("SM");
+    drive.run(500ms);
+    EXPECT_EQ(drive.get("TellVelocity"), 0);
     drive.set("SR", 0);
     drive.run(500ms);
     EXPECT_EQ(drive.get("TellVelocity"), 0);

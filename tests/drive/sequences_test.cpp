@@ -151,6 +151,7 @@ TEST(Reference, FailsOnABlockedAxisAndSucceedsAfterAReset) {
     drive.inject(drive::event::BlockAxis{false});
     drive.set("Controlword", 0x80);
     EXPECT_FALSE(drive.bit("Statusword", 3));
+    EXPECT_FALSE(drive.bit("Statusword", 13));
     drive.power_on();
     drive.set("Controlword", 0x1F);
     EXPECT_TRUE(drive.runs_until([&] { return drive.bit("Statusword", 12); }, 10s));
