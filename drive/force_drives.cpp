@@ -12,7 +12,7 @@ MotionLimits limits(double speed, double acceleration) {
 
 }  // namespace
 
-Procedure::Progress ForceCalibration::step(Axis& axis, const ProcedureInputs&) {
+Procedure::Progress ThereAndBack::step(Axis& axis, const ProcedureInputs&) {
     switch (stage_) {
         case Stage::starting:
             begin_ = axis.set_point().position;
@@ -30,26 +30,16 @@ Procedure::Progress ForceCalibration::step(Axis& axis, const ProcedureInputs&) {
     return Progress::failed;
 }
 
-Procedure::Progress DriftCompensation::step(Axis& axis, const ProcedureInputs&) {
-    if (stage_ != Stage::starting && std::abs(axis.set_point().velocity) >= 0.99 * speed_) {
+bool ThereAndBack::at_speed(const Axis& axis) const {
+    return stage_ != Stage::starting && std::abs(axis.set_point().velocity) >= 0.99 * speed_;
+}
+
+Procedure::Progress DriftCompensation::step(Axis& axis, const ProcedureInputs& inputs) {
+    if (at_speed(axis)) {
         sum_ += axis.force_current();
         ++samples_;
     }
-    switch (stage_) {
-        case Stage::starting:
-            begin_ = axis.set_point().position;
-            stage_ = Stage::forward;
-            axis.move_to(begin_ + way_, limits(speed_, acceleration_));
-            return Progress::running;
-        case Stage::forward:
-            if (axis.moving()) return Progress::running;
-            stage_ = Stage::back;
-            axis.move_to(begin_, limits(speed_, acceleration_));
-            return Progress::running;
-        case Stage::back:
-            return axis.moving() ? Progress::running : Progress::done;
-    }
-    return Progress::failed;
+    return ThereAndBack::step(axis, inputs);
 }
 
 Procedure::Progress ForceDrive::step(Axis& axis, const ProcedureInputs&) {

@@ -7,12 +7,16 @@
 
 namespace servobus::drive {
 
-/// FC: over a way and back at constant speed, while cogging and friction are recorded (004 §6.1.1).
-class ForceCalibration final : public Procedure {
+/// Over a way at constant speed, and back to where it began.
+class ThereAndBack : public Procedure {
 public:
-    ForceCalibration(double way, double speed, double acceleration)
+    ThereAndBack(double way, double speed, double acceleration)
         : way_(way), speed_(speed), acceleration_(acceleration) {}
     [[nodiscard]] Progress step(Axis& axis, const ProcedureInputs& inputs) override;
+
+protected:
+    /// Neither accelerating nor standing.
+    [[nodiscard]] bool at_speed(const Axis& axis) const;
 
 private:
     enum class Stage : std::uint8_t { starting, forward, back };
@@ -24,23 +28,21 @@ private:
     double begin_ = 0;
 };
 
-/// IFDCP and IFDCN: a short way and back; the mean of both currents is what has drifted.
-class DriftCompensation final : public Procedure {
+/// FC: while the axis goes there and back, cogging and friction are recorded (004 §6.1.1).
+class ForceCalibration final : public ThereAndBack {
 public:
-    DriftCompensation(double way, double speed, double acceleration)
-        : way_(way), speed_(speed), acceleration_(acceleration) {}
+    using ThereAndBack::ThereAndBack;
+};
+
+/// IFDCP and IFDCN: a short way; the mean of the currents there and back is what has drifted.
+class DriftCompensation final : public ThereAndBack {
+public:
+    using ThereAndBack::ThereAndBack;
     [[nodiscard]] Progress step(Axis& axis, const ProcedureInputs& inputs) override;
     /// A, once it is done.
     [[nodiscard]] double offset() const { return samples_ == 0 ? 0 : sum_ / samples_; }
 
 private:
-    enum class Stage : std::uint8_t { starting, forward, back };
-
-    double way_;
-    double speed_;
-    double acceleration_;
-    Stage stage_ = Stage::starting;
-    double begin_ = 0;
     double sum_ = 0;
     int samples_ = 0;
 };

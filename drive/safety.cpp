@@ -8,7 +8,6 @@ namespace servobus::drive {
 
 namespace {
 
-constexpr std::int64_t periods_per_ms = 1000 / control_period.count();
 // Slower than this is standing, increment/s.
 constexpr double standstill = 500;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 
 namespace servobus::drive {
 
@@ -11,5 +12,6 @@ using Time = std::chrono::microseconds;
 /// The period of the position loop (004 §5.3).
 inline constexpr Time control_period{100};
 inline constexpr double control_period_s = 1e-4;
+inline constexpr std::int64_t periods_per_ms = Time(1000) / control_period;
 
 }  // namespace servobus::drive

@@ -10,14 +10,10 @@ namespace servobus::drive {
 
 namespace {
 
-constexpr std::int64_t periods_per_ms = 1000 / control_period.count();
 // While something moves, somebody should look this often.
 constexpr Time tick{1000};
 // A fault reaction that takes longer than this ends without standstill.
 constexpr int longest_reaction = 20'000;
-// Below this the supply cannot feed the motor; above, the power stage protects itself. V.
-constexpr double lowest_supply = 18;
-constexpr double highest_supply = 85;
 constexpr double highest_stage_temperature = 90;
 // Standing with less than this share of the nominal current, nothing can become too hot.
 constexpr double harmless_share = 0.3;
@@ -342,8 +338,8 @@ void XenaxDrive::supervise() {
     }
     if (off) return;
     if (axis_.encoder_lost()) raise(xenax::message("encoder_lost"));
-    if (inverter_on_ && axis_.supply_voltage() < lowest_supply) raise(xenax::message("under_voltage"));
-    if (inverter_on_ && axis_.supply_voltage() > highest_supply) raise(xenax::message("over_voltage"));
+    if (inverter_on_ && is_under_voltage()) raise(xenax::message("under_voltage"));
+    if (inverter_on_ && is_over_voltage()) raise(xenax::message("over_voltage"));
     if (inverter_on_ && power_stage_failed_) raise(xenax::message("power_stage_dropped_out"));
     if (inverter_on_ && hot) raise(xenax::message("over_temperature_motor"));
     if (inverter_on_ && stage_hot) raise(xenax::message("over_temperature_power_stage"));
@@ -399,8 +395,7 @@ void XenaxDrive::forget_what_is_over() {
 
 /// A ramp cannot be driven, whatever began it.
 bool XenaxDrive::torque_is_impossible() const {
-    return safety_.sto() || axis_.encoder_lost() || power_stage_failed_ || axis_.supply_voltage() < lowest_supply ||
-           axis_.supply_voltage() > highest_supply;
+    return safety_.sto() || axis_.encoder_lost() || power_stage_failed_ || is_under_voltage() || is_over_voltage();
 }
 
 /// Rows whose value is the connected motor's (004 prints '-' for their defaults).

@@ -153,7 +153,8 @@ private:
     // xenax_power.cpp: power, faults, safety
     void power_on_locally();
     void brake_is_open();
-    [[nodiscard]] bool has_supply() const;
+    [[nodiscard]] bool is_under_voltage() const;
+    [[nodiscard]] bool is_over_voltage() const;
     [[nodiscard]] bool may_be_moved() const;
     void power_off_locally();
     void enable_axis();

@@ -9,7 +9,7 @@ namespace servobus::drive {
 
 namespace {
 
-constexpr std::int64_t periods_per_ms = 1000 / control_period.count();
+// Below this the supply cannot feed the motor; above, the power stage protects itself. V.
 constexpr double lowest_supply = 18;
 constexpr double highest_supply = 85;
 constexpr double stage_temperature_after_reset = 80;
@@ -19,7 +19,7 @@ constexpr double stage_temperature_after_reset = 80;
 bool XenaxDrive::allows(const Ds402::Transition& transition) {
     switch (transition.number) {
         case 3:
-            return !safety_.sto() && has_supply() && !signals_.emergency_exit;
+            return !safety_.sto() && !is_under_voltage() && !signals_.emergency_exit;
         case 4:
             if (has_brake() && axis_.brake() && brake_periods_ == 0) {
                 brake_periods_ = static_cast<int>(v_.brake_delay.get() * periods_per_ms);
@@ -142,7 +142,9 @@ void XenaxDrive::brake_is_open() {
     if (!powers_on_locally_) start_in_mode(machine_.control_word(), machine_.control_word(), 0);
 }
 
-bool XenaxDrive::has_supply() const { return axis_.supply_voltage() >= lowest_supply; }
+bool XenaxDrive::is_under_voltage() const { return axis_.supply_voltage() < lowest_supply; }
+
+bool XenaxDrive::is_over_voltage() const { return axis_.supply_voltage() > highest_supply; }
 
 /// Nothing from outside holds it, and the controller works (FCT0).
 bool XenaxDrive::may_be_moved() const {
@@ -181,8 +183,8 @@ bool XenaxDrive::cause_remains(const xenax::Message& message) const {
     if (message.name == "over_temperature_motor") return heat.winding() > axis_.kind().temperature_limit - 5;
     if (message.name == "over_temperature_power_stage") return heat.power_stage() > stage_temperature_after_reset;
     if (message.name == "i2t") return heat.i2t() > 0.95 * heat.i2t_limit();
-    if (message.name == "under_voltage") return axis_.supply_voltage() < lowest_supply;
-    if (message.name == "over_voltage") return axis_.supply_voltage() > highest_supply;
+    if (message.name == "under_voltage") return is_under_voltage();
+    if (message.name == "over_voltage") return is_over_voltage();
     if (message.name == "encoder_lost") return axis_.encoder_lost();
     if (message.name == "emergency_exit") return signals_.emergency_exit;
     if (message.name == "emergency_exit_power_on") return signals_.emergency_exit_power_on;

@@ -8,7 +8,6 @@ namespace servobus::drive {
 
 namespace {
 
-constexpr std::int64_t periods_per_ms = 1000 / control_period.count();
 // Steps that take no time, in one control period; the next ones follow in the next.
 constexpr int steps_at_once = 16;
 

@@ -9,9 +9,6 @@ namespace servobus::drive {
 
 namespace {
 
-constexpr std::int64_t periods_per_ms = 1000 / control_period.count();
-constexpr double lowest_supply = 18;
-
 std::int64_t within(double value, std::int64_t low, std::int64_t high) {
     const double bounded = std::clamp(value, static_cast<double>(low), static_cast<double>(high));
     return std::llround(bounded);
@@ -81,7 +78,7 @@ std::uint16_t XenaxDrive::mode_bits() const {
 }
 
 std::uint16_t XenaxDrive::status_word() const {
-    const bool voltage = axis_.supply_voltage() >= lowest_supply && !safety_.sto();
+    const bool voltage = !is_under_voltage() && !safety_.sto();
     return static_cast<std::uint16_t>(machine_.status_word() | bit(4, voltage) | bit(7, warning_ != nullptr) |
                                       bit(9, true) | bit(11, limited_) | mode_bits());
 }

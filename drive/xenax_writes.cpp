@@ -110,7 +110,7 @@ std::optional<Refusal> XenaxDrive::check_force_drive(std::int64_t number, bool m
 std::optional<Refusal> XenaxDrive::check_power_on() const {
     const bool fault = error_ != nullptr && cause_remains(*error_);
     const bool impossible = fault || safety_.sto() || signals_.emergency_exit || axis_.encoder_lost() ||
-                            !has_supply() || machine_.state() == Ds402::State::fault_reaction_active;
+                            is_under_voltage() || machine_.state() == Ds402::State::fault_reaction_active;
     return impossible ? std::optional<Refusal>(Refusal::wrong_state) : std::nullopt;
 }
 

@@ -193,7 +193,10 @@ std::span<const AxisValue> planning_values() {
                                        AxisValue::acceleration,
                                        AxisValue::speed_override,
                                        AxisValue::quick_stop_deceleration,
-                                       AxisValue::target_window};
+                                       AxisValue::target_window,
+                                       AxisValue::sensor_speed,
+                                       AxisValue::z_mark_speed,
+                                       AxisValue::encoder_increments};
     return values;
 }
 
@@ -217,8 +220,23 @@ AxisSteps disable_steps(const AxisState& state) {
     return steps;
 }
 
-AxisSteps reference_steps(const AxisState& state, int method, Time limit) {
-    AxisSteps steps{to_mode(mode::reference), just({{AxisValue::reference_method, method}})};
+Time reference_limit(const AxisState& state, const AxisReference& reference) {
+    constexpr Time linear = 60s;  // along a way that nobody knows
+    constexpr double turns_to_sensor = 2.5;
+    constexpr double turns_to_z_mark = 1.5;
+    const auto increments = static_cast<double>(state.number(AxisValue::encoder_increments));
+    const auto time = [&](double turns, std::optional<std::int64_t> given, AxisValue set) {
+        const auto speed = static_cast<double>(given.value_or(state.number(set)));
+        return speed > 0 ? turns * increments / speed : 0;
+    };
+    return linear + seconds(time(turns_to_sensor, reference.sensor_speed, AxisValue::sensor_speed) +
+                            time(turns_to_z_mark, reference.z_mark_speed, AxisValue::z_mark_speed));
+}
+
+AxisSteps reference_steps(const AxisState& state, const AxisReference& reference, Time limit) {
+    AxisSteps steps{to_mode(mode::reference), just({{AxisValue::reference_method, reference.method}})};
+    add(steps.back().writes, AxisValue::sensor_speed, reference.sensor_speed);
+    add(steps.back().writes, AxisValue::z_mark_speed, reference.z_mark_speed);
     steps = joined(std::move(steps), enable_steps(state));
     // Still set from the time before.
     steps.push_back(start({control(enable | start_bit)}, {{status(status_bit::specific, 0)}}));

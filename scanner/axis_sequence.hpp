@@ -93,8 +93,15 @@ private:
 /// Control words 0x06, 0x07, 0x0F. An axis that is enabled stays so.
 [[nodiscard]] AxisSteps enable_steps(const AxisState& state);
 [[nodiscard]] AxisSteps disable_steps(const AxisState& state);
+struct AxisReference {
+    int method = 1;
+    std::optional<std::int64_t> sensor_speed{};  ///< of rotative motors; 0: there is no sensor
+    std::optional<std::int64_t> z_mark_speed{};  ///< of rotative motors; 0: there is no Z-mark
+};
 /// 000 §3.2.1.1 and §3.2.2; leaves in profile position mode.
-[[nodiscard]] AxisSteps reference_steps(const AxisState& state, int method, Time limit);
+[[nodiscard]] AxisSteps reference_steps(const AxisState& state, const AxisReference& reference, Time limit);
+/// What it may take: a rotative motor turns up to two times to its sensor and once to its Z-mark.
+[[nodiscard]] Time reference_limit(const AxisState& state, const AxisReference& reference);
 
 struct AxisMove {
     std::int64_t position = 0;  ///< or distance

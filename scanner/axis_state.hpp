@@ -45,11 +45,14 @@ enum class AxisValue : std::uint8_t {
     following_window,
     target_window,
     reference_method,
+    sensor_speed,
+    z_mark_speed,
+    encoder_increments,
     calibration_start,
     calibration_way,
     direct_command,
 };
-inline constexpr std::size_t axis_value_count = 30;
+inline constexpr std::size_t axis_value_count = 33;
 
 [[nodiscard]] const drive::Parameter& row_of(AxisValue which);
 

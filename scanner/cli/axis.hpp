@@ -36,7 +36,8 @@ using AxisVerb = std::function<AxisOutcome(AxisRunner&, const AxisOptions&)>;
 [[nodiscard]] AxisOutcome quick_stop_axis(AxisRunner& runner, const AxisOptions& options);
 [[nodiscard]] AxisOutcome reset_fault(AxisRunner& runner, const AxisOptions& options);
 /// Without a method: the first that the connected motor takes.
-[[nodiscard]] AxisVerb reference_verb(std::optional<int> method);
+/// Without a method the first one for the motor that is connected.
+[[nodiscard]] AxisVerb reference_verb(std::optional<int> method, AxisReference reference);
 [[nodiscard]] AxisVerb move_verb(AxisMove move);
 [[nodiscard]] AxisVerb jog_verb(AxisJog jog);
 [[nodiscard]] AxisVerb force_calibration_verb(AxisCalibration calibration);

@@ -189,12 +189,17 @@ void AxisCommandLine::add_motions(CLI::App& parent, bool traced) {
 void AxisCommandLine::add_reference(CLI::App& parent, bool traced) {
     auto& verb = add_verb(parent, "reference", "Switch the power on and find the absolute position",
                           "  servobus-scanner axis 192.168.2.100 reference\n"
-                          "  servobus-scanner axis 192.168.2.100 reference --method negative\n",
-                          [this] { return reference_verb(method_); });
+                          "  servobus-scanner axis 192.168.2.100 reference --method negative\n"
+                          "  servobus-scanner axis 192.168.2.100 reference --method cw-ccw --z-mark-speed 20000\n",
+                          [this] { return reference_verb(method_, reference_); });
     verb.add_option_function<std::string>(
             "--method", [this](const std::string& text) { method_ = parse_method(text); },
             "Which way: " + method_list())
         ->type_name("METHOD");
+    add_value(verb, "--sensor-speed", AxisValue::sensor_speed, reference_.sensor_speed,
+              "Speed of a rotative motor to its sensor; 0 when there is none");
+    add_value(verb, "--z-mark-speed", AxisValue::z_mark_speed, reference_.z_mark_speed,
+              "Speed of a rotative motor to its Z-mark; 0 when there is none");
     add_wait(verb);
     if (!traced) add_trace_files(verb, "--trace");
 }

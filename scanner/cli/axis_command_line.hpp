@@ -42,6 +42,7 @@ private:
     AxisJog jog_;
     AxisCalibration calibration_;
     std::optional<int> method_;
+    AxisReference reference_;
     std::string verb_name_;
     std::function<AxisVerb()> make_verb_;  ///< empty for a trace without a verb
     bool status_ = false;

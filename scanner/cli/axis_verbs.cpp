@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A reference or a calibration takes as long as the way that nobody knows.
+/// A calibration takes as long as the way that nobody knows.
 constexpr Time search_limit = 60s;
 
 enum Needs : unsigned { no_fault = 0, enabled = 1, referenced = 2, standstill = 4 };
@@ -118,19 +118,20 @@ AxisOutcome reset_fault(AxisRunner& runner, const AxisOptions&) {
     });
 }
 
-AxisVerb reference_verb(std::optional<int> method) {
-    return [method](AxisRunner& runner, const AxisOptions& options) {
+AxisVerb reference_verb(std::optional<int> method, AxisReference reference) {
+    return [method, reference](AxisRunner& runner, const AxisOptions& options) mutable {
         if (auto failure = missing(runner.state(), standstill)) return failed(std::move(*failure));
-        const auto limit = options.wait.value_or(search_limit);
+        const auto limit = options.wait.value_or(reference_limit(runner.state(), reference));
         // The first methods for linear and for rotative motors (004 §4.2.19).
         constexpr int linear = 1;
         constexpr int rotative = 10;
-        int used = method.value_or(runner.state().is_rotative() ? rotative : linear);
-        auto end = runner.run(reference_steps(runner.state(), used, limit));
+        int& used = reference.method;
+        used = method.value_or(runner.state().is_rotative() ? rotative : linear);
+        auto end = runner.run(reference_steps(runner.state(), reference, limit));
         // A motor of another make does not say what it is, but its drive knows.
         if (end == AxisRunner::End::failed && !method && method_was_refused(runner)) {
             used = used == linear ? rotative : linear;
-            end = runner.run(reference_steps(runner.state(), used, limit));
+            end = runner.run(reference_steps(runner.state(), reference, limit));
         }
         return outcome(runner, end, [&] {
             return fmt::format("Referenced in {:.3f} s by method {} ({}); the axis stands at {} increments",

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "drive/ds402.hpp"
+#include "tests/support/csv.hpp"
 
 namespace servobus::drive {
 namespace {
@@ -59,22 +60,8 @@ constexpr auto figure = std::to_array<Arrow>({
     {16, "Quick stop active", "Operation enabled"},
 });
 
-using Record = std::map<std::string, std::string>;
-
-std::vector<std::string> split_csv(const std::string& line) {
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (const char c : line) {
-        if (c == '"') {
-            quoted = !quoted;
-        } else if (c == ',' && !quoted) {
-            cells.emplace_back();
-        } else if (c != '\r') {
-            cells.back() += c;
-        }
-    }
-    return cells;
-}
+using test::Record;
+using test::split_csv;
 
 std::vector<Record> printed_rows(const std::string& kind) {
     std::ifstream file(SERVOBUS_TEST_DATA "/reference/xenax_ds402_transitions.csv");

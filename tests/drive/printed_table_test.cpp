@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "drive/xenax.hpp"
+#include "tests/support/csv.hpp"
 
 namespace servobus::drive {
 namespace {
@@ -55,22 +56,8 @@ constexpr auto deviations = std::to_array<Deviation>({
     {{0x6E, 0x0D}, "name", "ForceteqProElasticSpringConstant", "S-2"},
 });
 
-using Record = std::map<std::string, std::string>;
-
-std::vector<std::string> split_csv(const std::string& line) {
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (const char c : line) {
-        if (c == '"') {
-            quoted = !quoted;
-        } else if (c == ',' && !quoted) {
-            cells.emplace_back();
-        } else if (c != '\r') {
-            cells.back() += c;
-        }
-    }
-    return cells;
-}
+using test::Record;
+using test::split_csv;
 
 std::uint16_t hex(const std::string& text) { return static_cast<std::uint16_t>(std::stoul(text, nullptr, 16)); }
 

@@ -61,21 +61,39 @@ TEST(AxisSequence, LeavesAQuickStopThroughSwitchOnDisabled) {
 
 TEST(AxisSequence, References) {
     FakeAxis axis;
-    EXPECT_EQ(writes_of(axis, reference_steps(axis.state, 2, 5s)), (Writes{{mode_requested, 6},
-                                                                           {reference_method, 2},
-                                                                           {control_word, 0x06},
-                                                                           {control_word, 0x07},
-                                                                           {control_word, 0x0F},
-                                                                           {control_word, 0x1F},
-                                                                           {mode_requested, 1},
-                                                                           {control_word, 0x0F}}));
+    EXPECT_EQ(writes_of(axis, reference_steps(axis.state, {.method = 2}, 5s)), (Writes{{mode_requested, 6},
+                                                                                       {reference_method, 2},
+                                                                                       {control_word, 0x06},
+                                                                                       {control_word, 0x07},
+                                                                                       {control_word, 0x0F},
+                                                                                       {control_word, 0x1F},
+                                                                                       {mode_requested, 1},
+                                                                                       {control_word, 0x0F}}));
     EXPECT_TRUE(axis.state.is_referenced());
+}
+
+TEST(AxisSequence, ReferencesARotativeMotorAtTheGivenSpeeds) {
+    FakeAxis axis;
+    const AxisReference reference{.method = 10, .sensor_speed = 2000, .z_mark_speed = 0};
+    const auto writes = writes_of(axis, reference_steps(axis.state, reference, 5s));
+    ASSERT_GE(writes.size(), 4U);
+    EXPECT_EQ((Writes{writes.begin() + 1, writes.begin() + 4}),
+              (Writes{{reference_method, 10}, {sensor_speed, 2000}, {z_mark_speed, 0}}));
+}
+
+TEST(AxisSequence, WaitsForAReferenceAsLongAsItsSpeedsNeed) {
+    FakeAxis axis;
+    axis.set(encoder_increments, 60'000);
+    axis.set(sensor_speed, 1'000);
+    axis.set(z_mark_speed, 500);
+    EXPECT_EQ(reference_limit(axis.state, {.method = 10}), 60s + 150s + 180s);
+    EXPECT_EQ(reference_limit(axis.state, {.method = 10, .sensor_speed = 0, .z_mark_speed = 9'000}), 60s + 10s);
 }
 
 TEST(AxisSequence, TellsAReferenceError) {
     FakeAxis axis;
     axis.in_motion = [](FakeAxis& self) { self.set(status_word, 0x2237); };
-    const auto sequence = run(axis, reference_steps(axis.state, 1, 5s));
+    const auto sequence = run(axis, reference_steps(axis.state, {.method = 1}, 5s));
     EXPECT_EQ(sequence.failure_text(axis.state),
               "the drive tells a reference error; the drive is in 'Operation enabled'");
 }
