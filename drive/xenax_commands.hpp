@@ -3,10 +3,46 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "drive/device.hpp"
 
 namespace servobus::drive::xenax {
+
+/// The numbers of 0x65/0 (000 §2.3.2.1).
+enum class Command : std::uint32_t {
+    ref = 0x1000,
+    rsto = 0x1020,
+    mlc = 0x1030,
+    aref1 = 0x1050,
+    pw = 0x2000,
+    pwc = 0x2010,
+    pwr = 0x2020,
+    pq = 0x2030,
+    gp = 0x3000,
+    gw = 0x3010,
+    jp = 0x3020,
+    jn = 0x3030,
+    sm = 0x3040,
+    gz = 0x3050,
+    fc = 0x4000,
+    fct1 = 0x4001,
+    fct0 = 0x4002,
+    fct2 = 0x4003,
+    ifdcp = 0x4010,
+    ifdcn = 0x4011,
+    res = 0x5000,
+    resm = 0x5001,
+    clcp = 0x5010,
+    cp121 = 0x5015,
+    cp120 = 0x5016,
+    clpo = 0x5020,
+    dmbus = 0x5030,
+    start_force_monitoring = 0x6000,
+    finish_force_monitoring = 0x6001,
+    tpso = 0x6002,
+    clfo = 0x6010,
+};
 
 // clang-format off
 inline constexpr std::array<DirectCommand, 31> direct_command_table{{

@@ -99,13 +99,18 @@ private:
     [[nodiscard]] std::int64_t shown_position() const;
     [[nodiscard]] ProcedureInputs procedure_inputs() const;
 
+    // xenax_commands.cpp: when each command can be done, and what it does
+    struct DirectCommands;
+    struct SetCommands;
+
     // xenax_writes.cpp: what a bus writes
-    [[nodiscard]] std::optional<Refusal> check_command(std::uint32_t command) const;
+    [[nodiscard]] std::optional<Refusal> check_command(std::uint32_t number) const;
+    [[nodiscard]] std::optional<Refusal> check_set_command(Key key, std::int64_t value) const;
     [[nodiscard]] std::optional<Refusal> check_motion() const;
     [[nodiscard]] std::optional<Refusal> check_force_drive(std::int64_t number, bool measured) const;
     [[nodiscard]] std::optional<Refusal> check_power_on() const;
-    void execute(std::uint32_t command);
-    void written_command(Key key, std::int64_t value);
+    void execute(std::uint32_t number);
+    void execute_set_command(Key key, std::int64_t value);
     void written_parameter(Key key);
     void start_index(std::int64_t number);
     void start_force_drive(std::int64_t number, bool measured);
