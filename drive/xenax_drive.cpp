@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "drive/force_drives.hpp"
 #include "drive/reference_drive.hpp"
@@ -264,32 +265,39 @@ void XenaxDrive::watch_inputs() {
 }
 
 void XenaxDrive::end_procedure(Procedure::Progress progress) {
-    const auto kind = procedure_kind_;
+    const auto kind = std::exchange(procedure_kind_, ProcedureKind::none);
     const auto procedure = std::move(procedure_);
-    procedure_kind_ = ProcedureKind::none;
     motion_ = Motion::none;
     axis_.settings().search_limit = 0;
     if (progress == Procedure::Progress::failed) {
-        switch (kind) {
-            case ProcedureKind::reference:
-                reference_failed_ = true;
-                raise(axis_.kind().motion == AxisKind::Motion::linear ? xenax::message("reference_mark_not_found")
-                                                                      : xenax::message("reference_sensor_not_found"));
-                return;
-            case ProcedureKind::force_calibration:
-                raise(xenax::message("force_calibration_failed"));
-                return;
-            case ProcedureKind::drift_compensation:
-                raise(xenax::message("drift_compensation_failed"));
-                return;
-            case ProcedureKind::limit_stop:
-            case ProcedureKind::limit_calibration:
-            case ProcedureKind::drive_force:
-            case ProcedureKind::none:
-                raise(xenax::message("mechanical_limit_not_found"));
-                return;
-        }
+        reference_failed_ = kind == ProcedureKind::reference;
+        raise(failure_of(kind));
+        return;
     }
+    take_result(kind, *procedure);
+    change_mode_if_standing();
+}
+
+const xenax::Message& XenaxDrive::failure_of(ProcedureKind kind) const {
+    switch (kind) {
+        case ProcedureKind::reference:
+            return axis_.kind().motion == AxisKind::Motion::linear ? xenax::message("reference_mark_not_found")
+                                                                   : xenax::message("reference_sensor_not_found");
+        case ProcedureKind::force_calibration:
+            return xenax::message("force_calibration_failed");
+        case ProcedureKind::drift_compensation:
+            return xenax::message("drift_compensation_failed");
+        case ProcedureKind::limit_stop:
+        case ProcedureKind::limit_calibration:
+        case ProcedureKind::drive_force:
+        case ProcedureKind::none:
+            return xenax::message("mechanical_limit_not_found");
+    }
+    return xenax::message("mechanical_limit_not_found");
+}
+
+/// What the drive knows after a procedure.
+void XenaxDrive::take_result(ProcedureKind kind, const Procedure& procedure) {
     switch (kind) {
         case ProcedureKind::reference:
         case ProcedureKind::limit_stop:
@@ -298,7 +306,7 @@ void XenaxDrive::end_procedure(Procedure::Progress progress) {
             trigger_.forget_position();
             break;
         case ProcedureKind::limit_calibration: {
-            const auto& limits = static_cast<const LimitCalibration&>(*procedure);
+            const auto& limits = static_cast<const LimitCalibration&>(procedure);
             v_.mechanical_limit_negative.set(limits.negative());
             v_.mechanical_limit_positive.set(limits.positive());
             v_.detected_limit_positive.set(std::max<std::int64_t>(limits.positive(), 0));
@@ -309,7 +317,7 @@ void XenaxDrive::end_procedure(Procedure::Progress progress) {
             axis_.settings().cogging_compensation = true;
             break;
         case ProcedureKind::drift_compensation:
-            force_offset_ = static_cast<const DriftCompensation&>(*procedure).offset();
+            force_offset_ = static_cast<const DriftCompensation&>(procedure).offset();
             break;
         case ProcedureKind::drive_force:
             in_force_ = true;
@@ -318,7 +326,6 @@ void XenaxDrive::end_procedure(Procedure::Progress progress) {
         case ProcedureKind::none:
             break;
     }
-    change_mode_if_standing();
 }
 
 /// What the drive itself has to notice, in each period.

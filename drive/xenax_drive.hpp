@@ -76,6 +76,8 @@ private:
     void period();
     void run_procedure();
     void end_procedure(Procedure::Progress progress);
+    [[nodiscard]] const xenax::Message& failure_of(ProcedureKind kind) const;
+    void take_result(ProcedureKind kind, const Procedure& procedure);
     void after_motion();
     void watch_target_window();
     void watch_inputs();
