@@ -1,6 +1,7 @@
 #include "adapter/axis_file.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <array>
 #include <utility>
 #include <vector>
@@ -201,10 +202,15 @@ std::span<const AxisKind> shipped_axes() {
     return axes;
 }
 
-const AxisKind* shipped_axis(std::string_view key) {
+const AxisKind* shipped_axis(std::string_view word) {
+    std::string key(word);
+    for (auto& letter : key) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    const auto begins = [&](const AxisKind& axis) { return !key.empty() && axis.key.starts_with(key); };
     const auto axes = shipped_axes();
-    const auto found = std::ranges::find(axes, key, &AxisKind::key);
-    return found != axes.end() ? &*found : nullptr;
+    const auto found = std::ranges::find_if(axes, begins);
+    if (found == axes.end()) return nullptr;
+    const bool alone = found->key == key || std::none_of(found + 1, axes.end(), begins);
+    return alone ? &*found : nullptr;
 }
 
 bool names_axis_file(std::string_view word) {

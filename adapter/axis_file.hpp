@@ -21,7 +21,8 @@ inline constexpr std::string_view default_axis = "linax-lxc-230f10";
 
 /// The axes that ship, ordered by key.
 [[nodiscard]] std::span<const drive::AxisKind> shipped_axes();
-[[nodiscard]] const drive::AxisKind* shipped_axis(std::string_view key);
+/// The axis with that key, or the only one whose key begins so, in large letters or small; nullptr otherwise.
+[[nodiscard]] const drive::AxisKind* shipped_axis(std::string_view word);
 
 /// Whether what a person gave as the axis means a file of his own, not a key.
 [[nodiscard]] bool names_axis_file(std::string_view word);

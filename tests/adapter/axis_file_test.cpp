@@ -69,7 +69,10 @@ TEST(ShippedAxes, TheDefaultIsThatOfTheType) {
     EXPECT_EQ(axis->name, standard.name);
     EXPECT_DOUBLE_EQ(axis->increments_per_unit, standard.increments_per_unit);
     EXPECT_DOUBLE_EQ(axis->stop_positive, standard.stop_positive);
-    EXPECT_EQ(shipped_axis("linax"), nullptr);
+    EXPECT_EQ(shipped_axis("linax"), nullptr) << "two begin so";
+    EXPECT_EQ(shipped_axis(""), nullptr);
+    ASSERT_NE(shipped_axis("ELAX"), nullptr);
+    EXPECT_EQ(shipped_axis("ELAX")->key, "elax-ex-50f20");
 }
 
 TEST(AxisFile, TakesEveryMember) {

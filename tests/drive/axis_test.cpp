@@ -10,7 +10,7 @@
 #include <string>
 
 #include "drive/time.hpp"
-#include "tests/drive/axis_kinds.hpp"
+#include "tests/support/axis_kinds.hpp"
 
 namespace servobus::drive {
 namespace {

@@ -18,7 +18,7 @@
 #include "drive/xenax.hpp"
 #include "drive/xenax_drive.hpp"
 #include "drive/xenax_errors.hpp"
-#include "tests/drive/axis_kinds.hpp"
+#include "tests/support/axis_kinds.hpp"
 
 namespace servobus::drive {
 namespace {

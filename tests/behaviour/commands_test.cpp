@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/drive/axis_kinds.hpp"
+#include "tests/support/axis_kinds.hpp"
 #include "tests/support/drive_bench.hpp"
 
 namespace servobus {

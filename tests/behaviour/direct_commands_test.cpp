@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drive/xenax_commands.hpp"
-#include "tests/drive/axis_kinds.hpp"
+#include "tests/support/axis_kinds.hpp"
 #include "tests/support/drive_bench.hpp"
 
 namespace servobus {

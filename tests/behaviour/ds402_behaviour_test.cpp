@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/drive/axis_kinds.hpp"
+#include "tests/support/axis_kinds.hpp"
 #include "tests/support/drive_harness.hpp"
 
 namespace servobus {

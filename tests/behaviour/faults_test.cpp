@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "drive/xenax_errors.hpp"
-#include "tests/drive/axis_kinds.hpp"
+#include "tests/support/axis_kinds.hpp"
 #include "tests/support/drive_harness.hpp"
 
 namespace servobus {
