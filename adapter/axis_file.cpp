@@ -1,8 +1,8 @@
 #include "adapter/axis_file.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <array>
+#include <cctype>
 #include <utility>
 #include <vector>
 
