@@ -63,12 +63,12 @@ struct XenaxDrive::DirectCommands {
     /// From one direction to the other without a stop between, as the drive takes it. In jog mode the control word
     /// decides.
     static MaybeRefusal jog(const Drive& drive) {
-        if (drive.v_.mode_displayed.get() == -1) return Refusal::wrong_state;
+        if (drive.v_.mode_displayed.get() == mode::jog) return Refusal::wrong_state;
         return drive.motion_ == Motion::jog ? std::nullopt : drive.check_motion();
     }
     /// "No mode" is the first step of the sequence (004 §6.1.1).
     static MaybeRefusal calibration(const Drive& drive) {
-        return drive.v_.mode_displayed.get() == 0 ? drive.check_motion() : Refusal::wrong_state;
+        return drive.v_.mode_displayed.get() == mode::none ? drive.check_motion() : Refusal::wrong_state;
     }
     static MaybeRefusal test_mode(const Drive& drive) {
         const bool already = drive.axis_.is_on() && !drive.axis_.settings().position_control;
@@ -110,7 +110,7 @@ struct XenaxDrive::DirectCommands {
         drive.program_ = nullptr;
         drive.uncoupled_ = true;
         const bool stops = drive.motion_ != Motion::none && drive.motion_ != Motion::quick_stop;
-        if (stops && drive.v_.mode_displayed.get() != 8) drive.begin_stop();
+        if (stops && drive.v_.mode_displayed.get() != mode::cyclic_position) drive.begin_stop();
     }
     /// The nearest position whose place in the turn is the Z-mark's.
     static void to_z_mark(Drive& drive) {

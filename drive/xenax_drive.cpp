@@ -238,7 +238,7 @@ void XenaxDrive::after_motion() {
         return;
     }
     motion_ = Motion::none;
-    if (v_.mode_displayed.get() != 8) monitor_.finish();
+    if (v_.mode_displayed.get() != mode::cyclic_position) monitor_.finish();
     if (next_profile_part()) return;
     change_mode_if_standing();
 }

@@ -14,6 +14,7 @@
 #include "drive/ds402.hpp"
 #include "drive/force_limiter.hpp"
 #include "drive/force_monitor.hpp"
+#include "drive/mode.hpp"
 #include "drive/position_capture.hpp"
 #include "drive/position_trigger.hpp"
 #include "drive/procedure.hpp"

@@ -9,13 +9,6 @@ namespace servobus::drive {
 
 namespace {
 
-namespace mode {
-constexpr std::int64_t jog = -1;
-constexpr std::int64_t profile_position = 1;
-constexpr std::int64_t reference = 6;
-constexpr std::int64_t cyclic_synchronous_position = 8;
-}  // namespace mode
-
 constexpr std::uint16_t start_bit = 1U << 4;
 constexpr std::uint16_t relative_or_positive_bit = 1U << 6;
 constexpr std::uint16_t halt_bit = 1U << 8;
@@ -69,7 +62,7 @@ void XenaxDrive::start_in_mode(std::uint16_t word, std::uint16_t rising, std::ui
         case mode::jog:
             update_jog();
             break;
-        case mode::cyclic_synchronous_position:
+        case mode::cyclic_position:
             update_following((word & start_bit) != 0 && !halt);
             break;
         default:

@@ -40,7 +40,7 @@ void XenaxDrive::happened(const Ds402::Transition& transition) {
             break;
         case 4:
             enable_axis();
-            if (v_.mode_displayed.get() == 6 && v_.automatic_reference.get() != 0 && !referenced_) {
+            if (v_.mode_displayed.get() == mode::reference && v_.automatic_reference.get() != 0 && !referenced_) {
                 begin_reference(static_cast<int>(v_.reference_method.get()));
             }
             break;
@@ -87,7 +87,7 @@ void XenaxDrive::enable_axis() {
     if (brake_periods_ == 0) axis_.set_brake(false);
     if (!needs_reference()) phased_ = true;
     target_reached_ = has_target_ = limited_ = false;
-    reference_done_ = reference_done_ && v_.mode_displayed.get() == 6;
+    reference_done_ = reference_done_ && v_.mode_displayed.get() == mode::reference;
     axis_.settings().position_control = true;
     axis_.settings().cogging_compensation = calibrated_;
 }

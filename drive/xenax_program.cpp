@@ -98,13 +98,13 @@ void XenaxDrive::follow_master() {
     const bool coupled = motion_ == Motion::synchronous;
     if (!coupled) {
         const bool wanted =
-            ratio != 0 && master_speed_ != 0 && !uncoupled_ && v_.mode_displayed.get() == 0 && !check_motion();
+            ratio != 0 && master_speed_ != 0 && !uncoupled_ && v_.mode_displayed.get() == mode::none && !check_motion();
         if (!wanted) return;
         begin_motion(Motion::synchronous);
         coupled_position_ = axis_.set_point().position;
         coupled_master_ = master_position_;
         coupled_ratio_ = ratio;
-    } else if (ratio == 0 || v_.mode_requested.get() != 0) {
+    } else if (ratio == 0 || v_.mode_requested.get() != mode::none) {
         begin_stop();
         return;
     } else if (ratio != coupled_ratio_) {

@@ -52,22 +52,22 @@ std::uint16_t XenaxDrive::mode_bits() const {
     bool twelve = false;
     bool thirteen = following_failed_;
     switch (v_.mode_displayed.get()) {
-        case 1:
+        case mode::profile_position:
             ten = enabled && target_reached_;
             twelve = enabled && motion_ == Motion::positioning && v_.set_point_acknowledge_disable.get() == 0;
             break;
-        case -1: {
+        case mode::jog: {
             const bool constant =
                 axis_.set_point().acceleration == 0 && (stands || axis_.profile_time() >= axis_.profile().duration());
             ten = enabled && constant;
             twelve = enabled && stands;
             break;
         }
-        case 6:
+        case mode::reference:
             ten = twelve = reference_done_;
             thirteen = reference_failed_ || following_failed_;
             break;
-        case 8:
+        case mode::cyclic_position:
             ten = enabled && motion_ == Motion::following && in_position() && stands;
             twelve = enabled && motion_ == Motion::following;
             break;

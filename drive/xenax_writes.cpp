@@ -25,10 +25,10 @@ std::optional<Refusal> XenaxDrive::check(const Parameter& row, const Value& valu
 
 /// A motion by command: under power, from standstill, and not while a mode owns the set point.
 std::optional<Refusal> XenaxDrive::check_motion() const {
-    const auto mode = v_.mode_displayed.get();
+    const auto shown = v_.mode_displayed.get();
     const bool free = machine_.state() == Ds402::State::operation_enabled && motion_ == Motion::none && !axis_.moving();
-    const bool may =
-        free && may_be_moved() && brake_periods_ == 0 && mode != 6 && mode != 8 && (referenced_ || !needs_reference());
+    const bool may = free && may_be_moved() && brake_periods_ == 0 && shown != mode::reference &&
+                     shown != mode::cyclic_position && (referenced_ || !needs_reference());
     return may ? std::nullopt : std::optional<Refusal>(Refusal::wrong_state);
 }
 
@@ -172,11 +172,11 @@ void XenaxDrive::on_request(const InputRequest& request) {
 
 /// RES: everything that can be set, as delivered; what the drive tells stays true.
 void XenaxDrive::reset_parameters() {
-    const auto mode = v_.mode_requested.get();
+    const auto requested = v_.mode_requested.get();
     const auto displayed = v_.mode_displayed.get();
     const auto word = v_.control_word.get();
     v_.store.reset();
-    v_.mode_requested.set(mode);
+    v_.mode_requested.set(requested);
     v_.mode_displayed.set(displayed);
     v_.control_word.set(word);
     shown_ = nullptr;  // the text of a message is a row as well

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "drive/ds402.hpp"
+#include "drive/mode.hpp"
 #include "drive/parameter.hpp"
 #include "drive/store.hpp"
 
@@ -95,13 +96,7 @@ inline constexpr std::uint32_t in_position = 1U << 3;
 inline constexpr std::uint32_t calibrating = 1U << 14;
 }  // namespace process_bit
 
-namespace mode {
-inline constexpr int jog = -1;
-inline constexpr int none = 0;
-inline constexpr int profile_position = 1;
-inline constexpr int reference = 6;
-inline constexpr int cyclic_position = 8;
-}  // namespace mode
+namespace mode = drive::mode;
 
 /// "profile position mode"; "unknown mode" for a number that the manual does not have.
 [[nodiscard]] std::string_view mode_text(int mode);

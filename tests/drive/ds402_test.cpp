@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
@@ -61,24 +60,10 @@ constexpr auto figure = std::to_array<Arrow>({
 });
 
 using test::Record;
-using test::split_csv;
 
 std::vector<Record> printed_rows(const std::string& kind) {
-    std::ifstream file(SERVOBUS_TEST_DATA "/reference/xenax_ds402_transitions.csv");
-    std::string line;
-    std::getline(file, line);
-    const auto columns = split_csv(line);
-    std::vector<Record> records;
-    while (std::getline(file, line)) {
-        const auto cells = split_csv(line);
-        Record record;
-        for (std::size_t i = 0; i < columns.size() && i < cells.size(); ++i) {
-            record[columns[i]] = cells[i];
-        }
-        if (record["kind"] == kind) {
-            records.push_back(record);
-        }
-    }
+    auto records = test::read_csv(SERVOBUS_TEST_DATA "/reference/xenax_ds402_transitions.csv");
+    std::erase_if(records, [&](const Record& record) { return record.at("kind") != kind; });
     return records;
 }
 

@@ -57,7 +57,6 @@ constexpr auto deviations = std::to_array<Deviation>({
 });
 
 using test::Record;
-using test::split_csv;
 
 std::uint16_t hex(const std::string& text) { return static_cast<std::uint16_t>(std::stoul(text, nullptr, 16)); }
 
@@ -66,21 +65,8 @@ Key key_of(const Record& record) { return {hex(record.at("class_id")), hex(recor
 /// The rows of the classes that a drive has; the others belong to the bus module.
 std::vector<Record> printed_rows() {
     const std::set<std::uint16_t> classes{0x64, 0x65, 0x66, 0x67, 0x68, 0x69, 0x6E};
-    std::ifstream file(SERVOBUS_TEST_DATA "/reference/xenax_cip_attributes.csv");
-    std::string line;
-    std::getline(file, line);
-    const auto columns = split_csv(line);
-    std::vector<Record> records;
-    while (std::getline(file, line)) {
-        const auto cells = split_csv(line);
-        Record record;
-        for (std::size_t i = 0; i < columns.size() && i < cells.size(); ++i) {
-            record[columns[i]] = cells[i];
-        }
-        if (classes.contains(key_of(record).class_id)) {
-            records.push_back(record);
-        }
-    }
+    auto records = test::read_csv(SERVOBUS_TEST_DATA "/reference/xenax_cip_attributes.csv");
+    std::erase_if(records, [&](const Record& record) { return !classes.contains(key_of(record).class_id); });
     return records;
 }
 
