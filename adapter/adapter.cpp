@@ -346,6 +346,8 @@ void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadc
     datagrams_.push_back({local, peer, request->reply(EncapsulationStatus::unsupported_command).encode()});
 }
 
+void Adapter::on_io(enip::Endpoint, enip::Endpoint, cip::ByteView, enip::Time now) { advance(now); }
+
 bool Adapter::delay(enip::Datagram datagram, const Frame& request, enip::Time now) {
     if (delayed_.size() >= limits_.delayed_replies) return false;
     std::uniform_int_distribution<std::int64_t> wait(0, maximum_delay(request.context).count());

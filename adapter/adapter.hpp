@@ -51,6 +51,8 @@ public:
     void on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
                      enip::Time now) override;
     [[nodiscard]] std::vector<enip::Datagram> take_datagrams() override;
+    void on_io(enip::Endpoint peer, enip::Endpoint local, cip::ByteView octets, enip::Time now) override;
+    [[nodiscard]] enip::IoQueue& io_queue() override { return io_queue_; }
     void on_timer(enip::Time now) override;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const override;
     [[nodiscard]] std::vector<ConnectionId> take_expired() override;
@@ -123,6 +125,7 @@ private:
     ConnectionManager* manager_ = nullptr;  ///< owned by router_
     std::map<ConnectionId, std::unique_ptr<Connection>> connections_;
     ConnectionId last_id_ = 0;
+    enip::IoQueue io_queue_;
     std::vector<enip::Datagram> datagrams_;
     std::vector<DelayedReply> delayed_;
     std::vector<ConnectionId> expired_;

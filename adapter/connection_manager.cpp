@@ -25,10 +25,6 @@ constexpr auto first_message_patience = std::chrono::seconds(10);  // R-CON-19
 constexpr std::uint16_t backplane_port = 1;
 constexpr std::uint16_t network_port = 2;  // the Ethernet side, as the Port object numbers it (R-PRT-1)
 
-// RPI kinds in the refusal 0x0112 (R-CON-14).
-constexpr std::uint8_t rpi_acceptable = 0;
-constexpr std::uint8_t rpi_minimum = 2;
-
 std::uint16_t size_limit(const Limits& limits) {
     return static_cast<std::uint16_t>(std::min<std::size_t>(limits.message_bytes + sequence_octets, 0xFFFF));
 }
@@ -41,15 +37,11 @@ microseconds watchdog(std::uint32_t rpi, std::uint8_t multiplier) {
 cip::Status check_rpi(std::uint32_t o_to_t, std::uint32_t t_to_o) {
     if (o_to_t == 0 || t_to_o == 0) return cip::ConnectionFailure::rpi_not_supported;
     if (o_to_t >= smallest_rpi && t_to_o >= smallest_rpi) return {};
-    const auto kind = [](std::uint32_t rpi) { return rpi < smallest_rpi ? rpi_minimum : rpi_acceptable; };
-    const auto best_o = std::max(o_to_t, smallest_rpi);
-    const auto best_t = std::max(t_to_o, smallest_rpi);
-    const auto low = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
-    const auto high = [](std::uint32_t value) { return static_cast<std::uint16_t>(value >> 16); };
-    return {cip::GeneralStatus::connection_failure,
-            {static_cast<std::uint16_t>(cip::ConnectionFailure::rpi_not_acceptable),
-             static_cast<std::uint16_t>(kind(o_to_t) | kind(t_to_o) << 8), low(best_o), high(best_o), low(best_t),
-             high(best_t)}};
+    const auto kind = [](std::uint32_t rpi) {
+        return rpi < smallest_rpi ? cip::RpiKind::minimum : cip::RpiKind::acceptable;
+    };
+    return cip::RpiRefusal{kind(o_to_t), kind(t_to_o), std::max(o_to_t, smallest_rpi), std::max(t_to_o, smallest_rpi)}
+        .status();
 }
 
 cip::Status check_types(const cip::ForwardOpen& open) {

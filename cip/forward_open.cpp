@@ -5,6 +5,10 @@
 namespace servobus::cip {
 namespace {
 
+// Network segments of a connection path (R-PTH-7).
+constexpr std::uint8_t inhibit_milliseconds = 0x43;
+constexpr std::uint8_t inhibit_microseconds = 0x51;
+
 void describe(auto& io, auto& triad) requires requires { triad.originator_serial; }
 {
     io.field(triad.serial_number);
@@ -170,6 +174,45 @@ Decoded<ConnectionRefusal> ConnectionRefusal::parse(ByteView data) {
     // Some stacks send only the size octet, or nothing (R-CM-10).
     if (reader.remaining() > 0) reader.field(refusal.remaining_path_words);
     return refusal;
+}
+
+Status RpiRefusal::status() const {
+    const auto low = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
+    const auto high = [](std::uint32_t value) { return static_cast<std::uint16_t>(value >> 16); };
+    const auto kinds = static_cast<unsigned>(o_to_t_kind) | static_cast<unsigned>(t_to_o_kind) << 8;
+    return {GeneralStatus::connection_failure,
+            {static_cast<std::uint16_t>(ConnectionFailure::rpi_not_acceptable), static_cast<std::uint16_t>(kinds),
+             low(o_to_t), high(o_to_t), low(t_to_o), high(t_to_o)}};
+}
+
+std::optional<RpiRefusal> RpiRefusal::from(const Status& status) {
+    constexpr std::size_t all_words = 6;
+    const auto& words = status.extended;
+    if (status.general != GeneralStatus::connection_failure || words.size() < all_words ||
+        words[0] != static_cast<std::uint16_t>(ConnectionFailure::rpi_not_acceptable)) {
+        return std::nullopt;
+    }
+    const auto dword = [&](std::size_t at) { return words[at] | std::uint32_t{words[at + 1]} << 16; };
+    return RpiRefusal{static_cast<RpiKind>(words[1] & 0xFF), static_cast<RpiKind>(words[1] >> 8), dword(2), dword(4)};
+}
+
+std::optional<std::uint32_t> production_inhibit_time(const Path& path) {
+    for (const auto& segment : path.segments) {
+        const auto* network = std::get_if<NetworkSegment>(&segment);
+        if (network == nullptr) continue;
+        if (network->type == inhibit_milliseconds && network->data.size() == 1) return network->data[0] * 1000U;
+        if (network->type == inhibit_microseconds && network->data.size() == 4) return Reader(network->data).u32();
+    }
+    return std::nullopt;
+}
+
+NetworkSegment production_inhibit_segment(std::uint32_t microseconds) {
+    if (microseconds % 1000 == 0 && microseconds / 1000 <= 0xFF) {
+        return {inhibit_milliseconds, {static_cast<std::uint8_t>(microseconds / 1000)}};
+    }
+    Bytes data;
+    Writer(data).u32(microseconds);
+    return {inhibit_microseconds, std::move(data)};
 }
 
 Bytes ForwardClose::encode() const {

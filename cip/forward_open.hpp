@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cip/bytes.hpp"
@@ -93,6 +94,28 @@ struct ConnectionRefusal {
     [[nodiscard]] static Decoded<ConnectionRefusal> parse(ByteView data);
     friend bool operator==(const ConnectionRefusal&, const ConnectionRefusal&) = default;
 };
+
+/// What a refusal with 0x0112 says about an interval (R-CON-14).
+enum class RpiKind : std::uint8_t { acceptable = 0, unspecified = 1, minimum = 2, maximum = 3, required = 4 };
+
+/// The extended words of 0x0112: which intervals, in microseconds, would be accepted.
+struct RpiRefusal {
+    RpiKind o_to_t_kind = RpiKind::acceptable;
+    RpiKind t_to_o_kind = RpiKind::acceptable;
+    std::uint32_t o_to_t = 0;
+    std::uint32_t t_to_o = 0;
+
+    [[nodiscard]] Status status() const;
+    /// Nullopt when the status is another one, or says no more than 0x0112.
+    [[nodiscard]] static std::optional<RpiRefusal> from(const Status& status);
+    friend bool operator==(const RpiRefusal&, const RpiRefusal&) = default;
+};
+
+/// The production inhibit time in a connection path, in microseconds: segment 0x43 in ms, 0x51 in microseconds
+/// (R-CON-51). Nullopt when there is none; the segments have the data that R-PTH-7 gives them, or are passed over.
+[[nodiscard]] std::optional<std::uint32_t> production_inhibit_time(const Path& path);
+/// The shorter of the two segments that can say it.
+[[nodiscard]] NetworkSegment production_inhibit_segment(std::uint32_t microseconds);
 
 /// The request data of service 0x4E.
 struct ForwardClose {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "cip/bytes.hpp"
 #include "cip/message.hpp"
@@ -21,6 +22,14 @@ using Time = std::chrono::steady_clock::time_point;
 /// as much as a Large_Forward_Open's usual 4,000.
 inline constexpr std::size_t max_message_bytes = 4000;
 
+/// A typed item that stands beside a message in its packet, such as a sockaddr item (R-CPF-8).
+struct SideItem {
+    std::uint16_t type = 0;
+    Bytes data{};
+    friend bool operator==(const SideItem&, const SideItem&) = default;
+};
+using SideItems = std::vector<SideItem>;
+
 /// How a request came here. The same service behaves alike on all ways (R-MSG-5), save where the standard says not.
 struct Origin {
     enum class Via : std::uint8_t { unconnected, connected };
@@ -28,6 +37,9 @@ struct Origin {
     Via via = Via::unconnected;
     std::uint64_t session = 0;                    ///< the transport connection it came on
     std::uint32_t address = 0;                    ///< the peer's IPv4 address, 0 when there is none
+    std::uint32_t local_address = 0;              ///< our own, that the peer has connected to
+    const SideItems* items = nullptr;             ///< what came beside an unconnected request, if anything
+    SideItems* reply_items = nullptr;             ///< what is to go beside its reply; null where nothing can
     std::size_t reply_limit = max_message_bytes;  ///< octets that a reply may have
     std::size_t depth = 0;                        ///< how many requests this one is embedded in
     Time now{};

@@ -1,28 +1,17 @@
 // What a server of this protocol is to its sockets: octets and time in, octets and the next deadline out (decision 2).
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "cip/bytes.hpp"
+#include "enip/endpoint.hpp"
+#include "enip/io_queue.hpp"
+#include "enip/time.hpp"
 
 namespace servobus::enip {
-
-using Time = std::chrono::steady_clock::time_point;
-
-/// An IPv4 address and port, in host order.
-struct Endpoint {
-    std::uint32_t address = 0;
-    std::uint16_t port = 0;
-    friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
-};
-
-/// `192.168.2.100:44818`.
-[[nodiscard]] std::string to_string(Endpoint endpoint);
 
 /// A datagram to send.
 struct Datagram {
@@ -59,6 +48,12 @@ public:
 
     /// The datagrams that are due.
     [[nodiscard]] virtual std::vector<Datagram> take_datagrams() = 0;
+
+    /// A datagram at the port of class 0 and 1 (UDP 2222), which carries data of a connection or nothing that counts.
+    virtual void on_io(Endpoint peer, Endpoint local, cip::ByteView octets, Time now) = 0;
+
+    /// The class 0 and 1 datagrams that are due, to leave from that port. Whoever has sent them clears the queue.
+    [[nodiscard]] virtual IoQueue& io_queue() = 0;
 
     /// To be called when serving starts, and at or after next_deadline().
     virtual void on_timer(Time now) = 0;

@@ -1,4 +1,4 @@
-#include "enip/target.hpp"
+#include "enip/endpoint.hpp"
 
 #include <fmt/format.h>
 
