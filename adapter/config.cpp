@@ -41,6 +41,11 @@ constexpr std::array<std::pair<std::string_view, drive::Motor>, 3> motors{{
     {"rotative", drive::Motor::rotative},
 }};
 
+constexpr std::array<std::pair<std::string_view, drive::OutputsWithoutController>, 2> outputs_without_controller{{
+    {"keep", drive::OutputsWithoutController::keep},
+    {"off", drive::OutputsWithoutController::off},
+}};
+
 Setter variant_setter(std::string& target) {
     return [&target](const json& value) -> Reason {
         if (value.is_string() && drive::xenax_model(value.get_ref<const std::string&>())) {
@@ -166,6 +171,12 @@ std::optional<FileError> read_members(const JsonDocument& document, Config& conf
                            [&](const json& value, const std::string& pointer) {
                                return walk.object(value, pointer, limit_setters(config, inactivity_seconds));
                            })},
+        {"lost_controller", section("lost_controller",
+                                    [&](const json& value, const std::string& pointer) {
+                                        return walk.object(value, pointer,
+                                                           {{"outputs", one_of(config.outputs_without_controller,
+                                                                               outputs_without_controller)}});
+                                    })},
         {"programs", section("programs",
                              [&](const json& value, const std::string& pointer) {
                                  return read_programs(walk, value, pointer, config.memory);
@@ -284,7 +295,9 @@ drive::Device make_device(const Config& config) {
     identity.product_name = config.product_name.value_or(identity.product_name);
     const bool moves = model.make_behaviour != nullptr;
     auto device = moves
-                      ? drive::Device(std::move(model), {axis_of(config), config.seed, config.memory}, motor_of(config))
+                      ? drive::Device(std::move(model),
+                                      {axis_of(config), config.seed, config.memory, config.outputs_without_controller},
+                                      motor_of(config))
                       : drive::Device(std::move(model), motor_of(config));
     apply_values(config, device);
     return device;

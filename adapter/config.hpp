@@ -43,6 +43,7 @@ struct Config {
     /// What parameters hold after power-up instead of their printed defaults, whatever their access.
     std::vector<std::pair<drive::Key, drive::Value>> values{};
     drive::MotionMemory memory{};  ///< programs and profiles
+    drive::OutputsWithoutController outputs_without_controller = drive::OutputsWithoutController::keep;
     Limits limits{};
 };
 

@@ -29,6 +29,7 @@ constexpr auto kinds = std::to_array<EventKind>({
     {"set-temperature", event::SetTemperature{}},
     {"turn-master", event::TurnMaster{}},
     {"cut-power-stage", event::CutPowerStage{}, bare},
+    {"lose-controller", event::LoseController{}, bare},
     {"power-cycle", event::PowerCycle{}, bare},
 });
 

@@ -48,11 +48,15 @@ struct MotorNames {
     std::string_view rotative;
 };
 
+/// What the outputs without a function do when the controller is lost.
+enum class OutputsWithoutController : std::uint8_t { keep, off };
+
 /// What is connected to a drive, and what it has stored. `seed` chooses the noise of what it measures.
 struct Machine {
     AxisKind axis{};
     std::uint64_t seed = 1;
     MotionMemory memory{};
+    OutputsWithoutController outputs_without_controller = OutputsWithoutController::keep;
 };
 
 struct Model;

@@ -65,6 +65,8 @@ struct TurnMaster {
 };
 /// The power stage drops out by itself.
 struct CutPowerStage {};
+/// Whoever controls the drive over a cyclic connection is idle, silent, or has gone.
+struct LoseController {};
 /// Logic power off and on again: everything that is not stored is forgotten.
 struct PowerCycle {};
 
@@ -72,9 +74,9 @@ struct PowerCycle {};
 
 namespace servobus::drive {
 
-using Event =
-    std::variant<event::PutObstacle, event::RemoveObstacle, event::BlockAxis, event::SetPayload, event::PushAxis,
-                 event::SetInput, event::LimitSwitch, event::EmergencyExit, event::SafetyStop, event::LoseEncoder,
-                 event::SetSupply, event::SetTemperature, event::TurnMaster, event::CutPowerStage, event::PowerCycle>;
+using Event = std::variant<event::PutObstacle, event::RemoveObstacle, event::BlockAxis, event::SetPayload,
+                           event::PushAxis, event::SetInput, event::LimitSwitch, event::EmergencyExit,
+                           event::SafetyStop, event::LoseEncoder, event::SetSupply, event::SetTemperature,
+                           event::TurnMaster, event::CutPowerStage, event::LoseController, event::PowerCycle>;
 
 }  // namespace servobus::drive

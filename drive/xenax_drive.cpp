@@ -60,6 +60,7 @@ void XenaxDrive::restart() {
     abort_motion();
     inverter_on_ = false;
     power_stage_failed_ = false;
+    start_bit_is_old_ = false;
     brake_periods_ = power_off_periods_ = 0;
     powers_on_locally_ = false;
     command_for_power_.reset();
@@ -525,6 +526,7 @@ void XenaxDrive::inject(const Event& event) {
                    [&](const event::SetTemperature& it) { axis_.heat().set_surroundings(it.celsius); },
                    [&](const event::TurnMaster& it) { master_speed_ = it.speed; },
                    [&](const event::CutPowerStage&) { power_stage_failed_ = inverter_on_; },
+                   [&](const event::LoseController&) { lose_controller(); },
                    [&](const event::PowerCycle&) {
                        // Parameters are kept, commands are not.
                        v_.control_word.set(0);

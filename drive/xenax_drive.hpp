@@ -174,6 +174,7 @@ private:
     [[nodiscard]] bool cause_remains(const xenax::Message& message) const;
     [[nodiscard]] bool has_brake() const;
     void quick_stop_ramp();
+    void lose_controller();
 
     // xenax_status.cpp: what it tells
     void publish();
@@ -221,6 +222,7 @@ private:
     bool powers_on_locally_ = false;                  ///< by a command, and not by the control word
     std::optional<std::uint32_t> command_for_power_;  ///< a command that waits for the brake
     bool power_stage_failed_ = false;
+    bool start_bit_is_old_ = false;  ///< bit 4 counts again when it has been 0 since the controller was lost
 
     // Motion
     Motion motion_ = Motion::none;

@@ -30,6 +30,10 @@ bool is_linear_gantry(std::int64_t method) { return method >= 3 && method <= 6; 
 }  // namespace
 
 void XenaxDrive::on_control_word(std::uint16_t word) {
+    if (start_bit_is_old_) {
+        start_bit_is_old_ = (word & start_bit) != 0;
+        word = static_cast<std::uint16_t>(word & ~start_bit);
+    }
     const auto before = machine_.control_word();
     machine_.on_control_word(word, *this);
     // Whoever does not want operation any more need not wait for the brake.

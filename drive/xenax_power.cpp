@@ -142,6 +142,26 @@ void XenaxDrive::brake_is_open() {
     if (!powers_on_locally_) start_in_mode(machine_.control_word(), machine_.control_word(), 0);
 }
 
+/// Nobody is there to end what goes on, so that the drive ends it itself, as a quick stop would; the power stays, and
+/// with it the hold on a load. What begins by itself (a program, the master's way) is over as well.
+void XenaxDrive::lose_controller() {
+    start_bit_is_old_ = true;
+    program_ = nullptr;
+    auto_program_periods_ = -1;
+    uncoupled_ = true;
+    if (connected_.outputs_without_controller == OutputsWithoutController::off) outputs_.set_all(0);
+    if (brake_periods_ > 0 &&
+        machine_.state() == Ds402::State::switched_on) {  // it must not go on to Operation enabled
+        disable_axis();
+        inverter_on_ = v_.switch_on_disable.get() == 0;
+    }
+    if (machine_.state() != Ds402::State::operation_enabled) return;
+    // Where a force limit holds the axis back its set point is ahead: it would go on when that gives way.
+    if (in_force_ || current_limit() > 0 || measured_limit() > 0) axis_.catch_up();
+    in_force_ = false;
+    machine_.on_event(Ds402::Event::quick_stop, *this);
+}
+
 bool XenaxDrive::is_under_voltage() const { return axis_.supply_voltage() < lowest_supply; }
 
 bool XenaxDrive::is_over_voltage() const { return axis_.supply_voltage() > highest_supply; }

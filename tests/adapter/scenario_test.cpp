@@ -54,6 +54,7 @@ TEST(Scenario, TakesEveryEventWithEveryField) {
         {"at": 14, "event": "set-temperature", "celsius": -10},
         {"at": 15, "event": "turn-master", "speed": -2000},
         {"at": 16, "event": "cut-power-stage"},
+        {"at": 17, "event": "lose-controller"},
         {"at": 17.5, "event": "power-cycle"})"),
                 ElementsAre("0 put-obstacle position=40000 stiffness=12.5 from_above=true", "1 remove-obstacle",
                             "2 block-axis", "3 release-axis", "4 set-payload mass=0.5", "5 push-axis force=-7",
@@ -61,7 +62,7 @@ TEST(Scenario, TakesEveryEventWithEveryField) {
                             "8 emergency-exit active=false keep_power=true", "9 safety-stop function=ss2 active=false",
                             "10 lose-encoder", "11 restore-encoder", "12 set-supply volts=24", "13 cut-supply",
                             "14 set-temperature celsius=-10", "15 turn-master speed=-2000", "16 cut-power-stage",
-                            "17.5 power-cycle"));
+                            "17 lose-controller", "17.5 power-cycle"));
 }
 
 TEST(Scenario, EveryEventHasAName) {

@@ -507,7 +507,14 @@ private:
                 return inject(event::TurnMaster{static_cast<double>(random_.between(-5, 5)) * 10'000});
             default:
                 if (random_.chance(30)) inject(event::PowerCycle{});
+                if (random_.chance(30)) lose_controller();
         }
+    }
+
+    /// Its ramp may begin, as a fault reaction does, with the speed that the axis has.
+    void lose_controller() {
+        unlimited_ = true;
+        inject(event::LoseController{});
     }
 
     [[nodiscard]] double strength() const { return kind_.force_constant * kind_.peak_current; }
