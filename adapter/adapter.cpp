@@ -47,6 +47,17 @@ std::optional<enip::Time> to_server(std::optional<drive::Time> time) {
     return enip::Time(std::chrono::duration_cast<enip::Time::duration>(*time));
 }
 
+// What stands behind the message in a SendRRData (R-CPF-8). Most have nothing there.
+cip::SideItems side_items(const enip::SendData& data) {
+    constexpr std::size_t address_and_message = 2;
+    cip::SideItems items;
+    for (std::size_t i = address_and_message; i < data.packet.items.size(); ++i) {
+        const auto& item = data.packet.items[i];
+        items.push_back({static_cast<std::uint16_t>(item.type), item.data});
+    }
+    return items;
+}
+
 template <class T>
 void take_earlier(std::optional<T>& best, std::optional<T> candidate) {
     if (candidate && (!best || *candidate < *best)) best = candidate;
@@ -86,19 +97,29 @@ Adapter::~Adapter() = default;
 
 // Also after a restart: what objects remember (counters, written assemblies, a file on its way) does not outlive it.
 void Adapter::build_objects() {
-    auto identity = std::make_unique<IdentityObject>(device_.identity(), [this](ResetType type, enip::Time now) {
-        if (!reset_) reset_ = Reset{type, now + reset_pause};  // asking again does not put it off
-    });
+    auto identity = std::make_unique<IdentityObject>(
+        device_.identity(),
+        [this](ResetType type, enip::Time now) {
+            const auto* owner = io().owner();
+            if (owner != nullptr && owner->consumer.run()) return cip::GeneralStatus::device_state_conflict;  // R-ID-8
+            if (!reset_) reset_ = Reset{type, now + reset_pause};  // asking again does not put it off
+            return cip::GeneralStatus::success;
+        },
+        [this] { return io().identity_status(); });
     identity_ = identity.get();
     router_.add(std::move(identity));
-    router_.add(std::make_unique<AssemblyObject>(device_));
+    auto assembly = std::make_unique<AssemblyObject>(device_);
+    assembly->ask_owned([this] { return io().owner() != nullptr; });
+    drive_io_ = std::make_unique<DriveIo>(device_, *assembly, log_);
+    drive_io_->set_epoch(epoch_);
+    router_.add(std::move(assembly));
     router_.add(std::make_unique<TcpIpObject>(network_));
     router_.add(std::make_unique<EthernetLinkObject>(network_));
     router_.add(std::make_unique<QosObject>(network_.qos));
     router_.add(std::make_unique<DlrObject>(network_.ring));
     router_.add(std::make_unique<FileObject>(file_));
-    auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), limits_,
-                                                       static_cast<std::uint16_t>(random_()), log_);
+    auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), *drive_io_, network_,
+                                                       limits_, static_cast<std::uint16_t>(random_()), log_);
     manager_ = manager.get();
     router_.add(std::move(manager));
     std::set<std::uint16_t> classes;
@@ -178,6 +199,7 @@ std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time
         on_message(connection, *message, now);
         ++messages;
     }
+    manager_->io().note_changes(now);
     // What follows an UnRegisterSession or a refusal is nobody's any more.
     return connection.closing ? octets.size() : octets.size() - rest.size();
 }
@@ -281,19 +303,31 @@ boost::system::result<enip::SendData, EncapsulationStatus> Adapter::session_data
     return *std::move(data);
 }
 
+cip::Origin Adapter::origin_of(const Connection& connection, enip::Time now) const {
+    return {.session = connection.id,
+            .address = connection.peer.address,
+            .local_address = connection.local.address,
+            .reply_limit = limits_.message_bytes,
+            .now = now};
+}
+
 Frame Adapter::send_rr_data(const Connection& connection, const Frame& request, enip::Time now) {
     const auto data = session_data(connection, request);
     if (!data) return request.reply(data.error());
     const auto message = enip::unconnected_message(*data);
     if (!message) return request.reply(EncapsulationStatus::incorrect_data);
-    const cip::Origin origin{.via = cip::Origin::Via::unconnected,
-                             .session = connection.id,
-                             .address = connection.peer.address,
-                             .reply_limit = limits_.message_bytes,
-                             .now = now};
+    const auto items = side_items(*data);
+    cip::SideItems reply_items;
+    auto origin = origin_of(connection, now);
+    origin.items = &items;
+    origin.reply_items = &reply_items;
     const auto response = router_.handle(*message, origin);
     if (!response) return request.reply(EncapsulationStatus::incorrect_data);  // R-MSG-3
-    return request.reply(EncapsulationStatus::success, enip::SendData::unconnected(response->encode()).encode());
+    auto answer = enip::SendData::unconnected(response->encode());
+    for (auto& item : reply_items) {
+        answer.packet.items.push_back({static_cast<enip::ItemType>(item.type), std::move(item.data)});
+    }
+    return request.reply(EncapsulationStatus::success, answer.encode());
 }
 
 std::optional<Frame> Adapter::send_unit_data(const Connection& connection, const Frame& request, enip::Time now) {
@@ -301,7 +335,9 @@ std::optional<Frame> Adapter::send_unit_data(const Connection& connection, const
     if (!data) return request.reply(data.error());
     const auto message = enip::connected_message(*data);
     if (!message) return request.reply(EncapsulationStatus::incorrect_data);
-    const auto reply = manager_->on_connected(*message, connection.id, connection.peer.address, now);
+    auto origin = origin_of(connection, now);
+    origin.via = cip::Origin::Via::connected;
+    const auto reply = manager_->on_connected(*message, origin);
     if (!reply) return std::nullopt;  // R-ENC-23
     return request.reply(EncapsulationStatus::success, reply->encode());
 }
@@ -346,7 +382,11 @@ void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadc
     datagrams_.push_back({local, peer, request->reply(EncapsulationStatus::unsupported_command).encode()});
 }
 
-void Adapter::on_io(enip::Endpoint, enip::Endpoint, cip::ByteView, enip::Time now) { advance(now); }
+void Adapter::on_io(enip::Endpoint peer, enip::Endpoint, cip::ByteView octets, enip::Time now) {
+    advance(now);
+    manager_->io().on_datagram(peer, octets, now);
+    manager_->io().note_changes(now);
+}
 
 bool Adapter::delay(enip::Datagram datagram, const Frame& request, enip::Time now) {
     if (delayed_.size() >= limits_.delayed_replies) return false;
@@ -370,7 +410,8 @@ std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) con
 void Adapter::on_timer(enip::Time now) {
     advance(now);
     reset(now);
-    manager_->on_timer(now);
+    manager_->io().note_changes(now);
+    manager_->on_timer(now, io_queue_);
     std::erase_if(delayed_, [&](DelayedReply& reply) {
         if (reply.due > now) return false;
         datagrams_.push_back(std::move(reply.datagram));
@@ -445,6 +486,11 @@ void Adapter::apply(const drive::Event& event) {
     reset_.reset();  // what a Reset asked for has happened
     shut_down();
     build_objects();
+}
+
+void Adapter::set_epoch(std::chrono::microseconds epoch) {
+    epoch_ = epoch;
+    drive_io_->set_epoch(epoch);
 }
 
 void Adapter::shut_down() {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <boost/system/result.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "adapter/connection_manager.hpp"
+#include "adapter/drive_io.hpp"
 #include "adapter/identity_object.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
@@ -77,7 +79,12 @@ public:
     [[nodiscard]] const Limits& limits() const { return limits_; }
     [[nodiscard]] std::size_t tcp_connections() const { return connections_.size(); }
     [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
-    [[nodiscard]] std::size_t class3_connections() const { return manager_->connections(); }
+    [[nodiscard]] std::size_t class3_connections() const { return manager_->explicit_connections().size(); }
+    /// The I/O connections, for those who look at them.
+    [[nodiscard]] const IoConnections& io() const { return manager_->io(); }
+    [[nodiscard]] const ConnectionManager& connection_manager() const { return *manager_; }
+    /// What is to be added to `now` for the time of day: microseconds since 1970. Time stamps count from there.
+    void set_epoch(std::chrono::microseconds epoch);
     [[nodiscard]] drive::Device& device() { return device_; }
     [[nodiscard]] const drive::Device& device() const { return device_; }
     /// The values behind the network objects; whoever knows the host's address writes it here.
@@ -104,6 +111,7 @@ private:
     [[nodiscard]] std::optional<enip::Frame> unregister_session(Connection& connection, const enip::Frame& request);
     [[nodiscard]] boost::system::result<enip::SendData, enip::EncapsulationStatus> session_data(
         const Connection& connection, const enip::Frame& request) const;
+    [[nodiscard]] cip::Origin origin_of(const Connection& connection, enip::Time now) const;
     [[nodiscard]] enip::Frame send_rr_data(const Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] std::optional<enip::Frame> send_unit_data(const Connection& connection, const enip::Frame& request,
                                                             enip::Time now);
@@ -121,8 +129,10 @@ private:
     std::mt19937_64 random_;
     SessionTable sessions_;
     cip::MessageRouter router_;
-    IdentityObject* identity_ = nullptr;    ///< owned by router_
+    IdentityObject* identity_ = nullptr;  ///< owned by router_
+    std::unique_ptr<DriveIo> drive_io_;
     ConnectionManager* manager_ = nullptr;  ///< owned by router_
+    std::chrono::microseconds epoch_{0};
     std::map<ConnectionId, std::unique_ptr<Connection>> connections_;
     ConnectionId last_id_ = 0;
     enip::IoQueue io_queue_;

@@ -23,6 +23,8 @@ struct Config {
     std::string variant = "75v8s";
     std::string bind = "127.0.0.1";
     std::uint16_t port = 44818;
+    std::optional<std::uint16_t> io_port{};  ///< of class 0 and 1; see enip::asio::ListenOptions
+    std::size_t count = 1;                   ///< how many drives, at addresses from `bind` on
     LogLevel log_level = LogLevel::info;
     /// The axis that somebody has chosen; without one it is default_axis, and any motor is accepted.
     std::optional<drive::AxisKind> axis{};

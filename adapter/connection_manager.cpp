@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "adapter/forward_open_checks.hpp"
 #include "adapter/wire_checks.hpp"
 #include "cip/path.hpp"
 #include "cip/services.hpp"
@@ -12,54 +13,11 @@
 namespace servobus::adapter {
 namespace {
 
-using std::chrono::microseconds;
+// Where the triad stands in front of whatever is malformed, so that a refusal can name the connection (vector
+// fo_short_rep).
+constexpr std::size_t open_triad_offset = 10;
+constexpr std::size_t close_triad_offset = 2;
 
-constexpr std::uint32_t smallest_rpi = 1000;  // µs, 000 §2.4
-constexpr std::uint8_t last_multiplier_code = 7;
-constexpr std::uint8_t explicit_class = 3;
-constexpr std::uint8_t last_trigger = 2;
-constexpr std::uint16_t sequence_octets = 2;
-constexpr std::uint16_t smallest_size = 4;
-constexpr auto first_message_patience = std::chrono::seconds(10);  // R-CON-19
-
-constexpr std::uint16_t backplane_port = 1;
-constexpr std::uint16_t network_port = 2;  // the Ethernet side, as the Port object numbers it (R-PRT-1)
-
-std::uint16_t size_limit(const Limits& limits) {
-    return static_cast<std::uint16_t>(std::min<std::size_t>(limits.message_bytes + sequence_octets, 0xFFFF));
-}
-
-microseconds watchdog(std::uint32_t rpi, std::uint8_t multiplier) {
-    return microseconds{std::uint64_t{rpi} * (4ULL << multiplier)};
-}
-
-// R-CON-17: 0 is 0x0111; below the minimum, the acceptable values are told.
-cip::Status check_rpi(std::uint32_t o_to_t, std::uint32_t t_to_o) {
-    if (o_to_t == 0 || t_to_o == 0) return cip::ConnectionFailure::rpi_not_supported;
-    if (o_to_t >= smallest_rpi && t_to_o >= smallest_rpi) return {};
-    const auto kind = [](std::uint32_t rpi) {
-        return rpi < smallest_rpi ? cip::RpiKind::minimum : cip::RpiKind::acceptable;
-    };
-    return cip::RpiRefusal{kind(o_to_t), kind(t_to_o), std::max(o_to_t, smallest_rpi), std::max(t_to_o, smallest_rpi)}
-        .status();
-}
-
-cip::Status check_types(const cip::ForwardOpen& open) {
-    using cip::ConnectionFailure;
-    using cip::ConnectionType;
-    const bool both_null = open.o_to_t.type == ConnectionType::null && open.t_to_o.type == ConnectionType::null;
-    if (both_null) return ConnectionFailure::null_forward_open_not_supported;  // R-CON-23
-    if (open.transport.transport_class != explicit_class || open.transport.trigger > last_trigger) {
-        return ConnectionFailure::class_trigger_not_supported;
-    }
-    if (open.timeout_multiplier > last_multiplier_code) return ConnectionFailure::timeout_multiplier_not_acceptable;
-    if (open.o_to_t.type != ConnectionType::point_to_point) return ConnectionFailure::invalid_o_to_t_type;
-    if (open.t_to_o.type != ConnectionType::point_to_point) return ConnectionFailure::invalid_t_to_o_type;
-    if (open.o_to_t.redundant_owner) return ConnectionFailure::redundant_owner_not_supported;
-    return {};
-}
-
-// The triad stands in front of whatever is malformed, so a refusal can name the connection (vector fo_short_rep).
 cip::ConnectionTriad triad_at(cip::ByteView data, std::size_t offset) {
     cip::Reader reader(data);
     reader.take(offset);
@@ -79,31 +37,69 @@ cip::GeneralStatus length_status(cip::DecodeError error) {
                                                : cip::GeneralStatus::not_enough_data;
 }
 
-// A hop that ends at this node: port 1 address 0, as originators write for "the device itself" (R-CM-9).
-bool is_self(const cip::PortSegment& hop) { return hop.port == backplane_port && hop.link_address == cip::Bytes{0}; }
-
-// This device routes nowhere: the port does not exist, or nobody is at that address behind it.
-cip::ConnectionFailure no_route(const cip::PortSegment& hop) {
-    if (hop.port != backplane_port && hop.port != network_port) return cip::ConnectionFailure::port_not_available;
-    return cip::ConnectionFailure::link_address_not_valid;
+cip::ForwardOpenReply reply_to(const cip::ForwardOpen& open, std::uint32_t o_to_t_id, std::uint32_t t_to_o_id) {
+    // The interval that is granted is the one that was asked for, because it can be kept (R-CON-17).
+    return {.o_to_t_id = o_to_t_id,
+            .t_to_o_id = t_to_o_id,
+            .triad = open.triad,
+            .o_to_t_api = open.o_to_t_rpi,
+            .t_to_o_api = open.t_to_o_rpi,
+            .application_reply = {}};
 }
 
-// Where a route leads: success for this node.
-cip::Status check_route(cip::ByteView route) {
-    const auto path = cip::Path::parse(route);
-    if (!path) return cip::GeneralStatus::path_segment_error;
-    if (path->segments.empty()) return {};
-    const auto* hop = std::get_if<cip::PortSegment>(&path->segments.front());
-    if (hop == nullptr) return cip::GeneralStatus::path_segment_error;
-    if (path->segments.size() == 1 && is_self(*hop)) return {};
-    return no_route(*hop);
+cip::ConnectionData data_of(const IoConnection& connection) {
+    const auto& open = connection.request;
+    return {.number = connection.number,
+            .originator_port = connection.originator.port,
+            .target_port = connection.production->producer.settings().route.local.port,
+            .triad = open.triad,
+            .o_to_t_id_at_originator = connection.o_to_t_id,
+            .o_to_t_id_at_target = connection.o_to_t_id,
+            .o_to_t_multiplier = open.timeout_multiplier,
+            .o_to_t_rpi = open.o_to_t_rpi,
+            .o_to_t_api = open.o_to_t_rpi,
+            .t_to_o_id_at_originator = connection.t_to_o_id,
+            .t_to_o_id_at_target = connection.t_to_o_id,
+            .t_to_o_multiplier = open.timeout_multiplier,
+            .t_to_o_rpi = open.t_to_o_rpi,
+            .t_to_o_api = open.t_to_o_rpi};
+}
+
+cip::ConnectionData data_of(const ExplicitConnection& connection) {
+    return {.number = connection.number,
+            .originator_port = enip::tcp_port,
+            .target_port = enip::tcp_port,
+            .triad = connection.triad,
+            .o_to_t_id_at_originator = connection.o_to_t_id,
+            .o_to_t_id_at_target = connection.o_to_t_id,
+            .o_to_t_multiplier = connection.multiplier_code,
+            .o_to_t_rpi = connection.o_to_t_rpi,
+            .o_to_t_api = connection.o_to_t_rpi,
+            .t_to_o_id_at_originator = connection.t_to_o_id,
+            .t_to_o_id_at_target = connection.t_to_o_id,
+            .t_to_o_multiplier = connection.multiplier_code,
+            .t_to_o_rpi = connection.t_to_o_rpi,
+            .t_to_o_api = connection.t_to_o_rpi};
+}
+
+// Not found: 0x05 (R-CM-7).
+cip::Response connection_data(std::uint8_t service, const IoConnection* io, const ExplicitConnection* messages) {
+    if (io != nullptr) return {service, {}, data_of(*io).encode()};
+    if (messages != nullptr) return {service, {}, data_of(*messages).encode()};
+    return {service, cip::GeneralStatus::path_destination_unknown, {}};
 }
 
 }  // namespace
 
-ConnectionManager::ConnectionManager(cip::MessageRouter& router, cip::NodeIdentity node, const Limits& limits,
-                                     std::uint16_t incarnation, Log log)
-    : router_(router), node_(node), limits_(limits), incarnation_(incarnation), log_(std::move(log)) {}
+ConnectionManager::ConnectionManager(cip::MessageRouter& router, cip::NodeIdentity node, DriveIo& drive,
+                                     const NetworkSettings& network, const Limits& limits, std::uint16_t incarnation,
+                                     Log log)
+    : router_(router),
+      node_(node),
+      log_(std::move(log)),
+      ids_(incarnation),
+      explicit_(ids_, node_, limits),
+      io_(drive, network, ids_, limits, log_) {}
 
 cip::ClassInfo ConnectionManager::info() const {
     return {.class_id = cip::class_id::connection_manager,
@@ -118,6 +114,9 @@ bool ConnectionManager::offers(std::uint8_t service) const {
         case cip::service::large_forward_open:
         case cip::service::forward_close:
         case cip::service::unconnected_send:
+        case cip::service::get_connection_data:
+        case cip::service::search_connection_data:
+        case cip::service::get_connection_owner:
             return true;
         default:
             return false;
@@ -149,6 +148,16 @@ std::optional<std::size_t> ConnectionManager::value_size(std::uint32_t, std::uin
 
 cip::Response ConnectionManager::call(const cip::RequestView& request, const cip::RequestPath&,
                                       const cip::Origin& origin) {
+    switch (request.service) {
+        case cip::service::get_connection_data:
+            return get_connection_data(request);
+        case cip::service::search_connection_data:
+            return search_connection_data(request);
+        case cip::service::get_connection_owner:
+            return get_connection_owner(request);
+        default:
+            break;
+    }
     // Opening a connection through a connection is legal by the letter, but not served (R-CM-1).
     if (origin.via == cip::Origin::Via::connected) {
         return {request.service, cip::GeneralStatus::service_not_supported, {}};
@@ -171,110 +180,66 @@ cip::Response ConnectionManager::forward_open(const cip::RequestView& request, c
     const auto open = cip::ForwardOpen::parse(request.data, request.service == cip::service::large_forward_open);
     if (!open) {
         count(Counter::open_format_rejects);
-        constexpr std::size_t triad_offset = 10;
-        return refuse(request.service, length_status(open.error()), triad_at(request.data, triad_offset));
-    }
-    auto status = check(*open);
-    if (!status.ok()) {
-        count_reject(status);
         log_(LogLevel::warning,
-             fmt::format("Forward_Open of connection serial {} by vendor {} refused: {}", open->triad.serial_number,
-                         open->triad.originator_vendor, cip::describe(status)));
-        return refuse(request.service, std::move(status), open->triad);
+             fmt::format("Forward_Open refused: its {} octets end {} its connection path does", request.data.size(),
+                         open.error() == cip::DecodeError::trailing ? "after" : "before"));
+        return refuse(request.service, length_status(open.error()), triad_at(request.data, open_triad_offset));
     }
-    const auto& connection = admit(*open, origin);
-    log_(LogLevel::info, fmt::format("class 3 connection 0x{:08X} open, times out after {} ms without a request",
-                                     connection.o_to_t_id, connection.timeout.count() / 1000));
-    const cip::ForwardOpenReply reply{.o_to_t_id = connection.o_to_t_id,
-                                      .t_to_o_id = connection.t_to_o_id,
-                                      .triad = open->triad,
-                                      .o_to_t_api = open->o_to_t_rpi,
-                                      .t_to_o_api = open->t_to_o_rpi,
-                                      .application_reply = {}};
-    return {request.service, {}, reply.encode()};
+    auto reply = admit(*open, origin);
+    if (reply) return {request.service, {}, reply->encode()};
+    const auto refusal = reply.error();
+    count_reject(refusal.status);
+    log_(LogLevel::warning,
+         fmt::format("Forward_Open of connection serial {} by vendor {} refused: {}{}{}", open->triad.serial_number,
+                     open->triad.originator_vendor, cip::describe(refusal.status), refusal.words.empty() ? "" : ": ",
+                     refusal.words));
+    return refuse(request.service, refusal.status, open->triad);
 }
 
 // The order of R-CON-15.
-cip::Status ConnectionManager::check(const cip::ForwardOpen& open) const {
-    const bool open_already =
-        std::ranges::any_of(connections_, [&](const auto& entry) { return entry.second.triad == open.triad; });
-    const bool null_open =
-        open.o_to_t.type == cip::ConnectionType::null && open.t_to_o.type == cip::ConnectionType::null;
-    if (open_already && !null_open) return cip::ConnectionFailure::duplicate_forward_open;
-    if (auto status = check_types(open); !status.ok()) return status;
-    if (auto status = check_path(open.path); !status.ok()) return status;
-    if (auto status = check_rpi(open.o_to_t_rpi, open.t_to_o_rpi); !status.ok()) return status;
-    if (auto status = check_sizes(open); !status.ok()) return status;
-    if (connections_.size() >= limits_.class3_connections) return cip::ConnectionFailure::out_of_connections;
-    return {};
-}
-
-// `[port 1 address 0] [key] 20 02 24 01` (R-CON-10, R-MR-2).
-cip::Status ConnectionManager::check_path(cip::ByteView octets) const {
-    const auto path = cip::Path::parse(octets);
-    if (!path) return cip::ConnectionFailure::invalid_path_segment;
-    std::span<const cip::Segment> segments = path->segments;
-    if (!segments.empty()) {
-        if (const auto* hop = std::get_if<cip::PortSegment>(&segments.front())) {
-            if (!is_self(*hop)) return no_route(*hop);
-            segments = segments.subspan(1);
-        }
+OpenResult<cip::ForwardOpenReply> ConnectionManager::admit(const cip::ForwardOpen& open, const cip::Origin& origin) {
+    if (refuse_) {
+        if (auto status = refuse_()) return OpenRefusal{*std::move(status), "as the scenario wants it"};
     }
-    if (!segments.empty()) {
-        if (const auto* key = std::get_if<cip::ElectronicKey>(&segments.front())) {
-            if (const auto failure = cip::mismatch(*key, node_)) return *failure;
-            segments = segments.subspan(1);
-        }
+    if (is_null(open)) {
+        return OpenRefusal{cip::ConnectionFailure::null_forward_open_not_supported,
+                           "both directions are null, and there is nothing to reconfigure here"};  // R-CON-23
     }
-    const auto is = [](const cip::Segment& segment, cip::LogicalType type, std::uint32_t value) {
-        const auto* known = std::get_if<cip::LogicalSegment>(&segment);
-        return known != nullptr && known->type == type && known->value == value;
-    };
-    const bool fits = segments.size() == 2 &&
-                      is(segments[0], cip::LogicalType::class_id, cip::class_id::message_router) &&
-                      is(segments[1], cip::LogicalType::instance, 1);
-    if (!fits) return cip::ConnectionFailure::invalid_path_segment;
-    return {};
+    if (io_.find(open.triad) != nullptr || explicit_.find(open.triad) != nullptr) {
+        return OpenRefusal{cip::ConnectionFailure::duplicate_forward_open,
+                           "a connection with this serial number, vendor and originator serial is open"};  // R-CON-26
+    }
+    return open.transport.transport_class == explicit_class ? admit_explicit(open, origin) : admit_io(open, origin);
 }
 
-// R-CON-47: any size from 4 up to our own limit; the refusal tells the limit.
-cip::Status ConnectionManager::check_sizes(const cip::ForwardOpen& open) const {
-    const auto limit = size_limit(limits_);
-    const auto fits = [&](std::uint16_t size) { return size >= smallest_size && size <= limit; };
-    const auto refusal = [&](cip::ConnectionFailure failure) {
-        return cip::Status(cip::GeneralStatus::connection_failure, {static_cast<std::uint16_t>(failure), limit});
-    };
-    if (!fits(open.o_to_t.size)) return refusal(cip::ConnectionFailure::invalid_o_to_t_size);
-    if (!fits(open.t_to_o.size)) return refusal(cip::ConnectionFailure::invalid_t_to_o_size);
-    return {};
+OpenResult<cip::ForwardOpenReply> ConnectionManager::admit_explicit(const cip::ForwardOpen& open,
+                                                                    const cip::Origin& origin) {
+    const auto opened = explicit_.open(open, origin, free_number());
+    if (!opened) return opened.error();
+    const auto& connection = **opened;
+    log_(LogLevel::info, fmt::format("class 3 connection 0x{:08X} open, times out after {} ms without a request",
+                                     connection.o_to_t_id, connection.timeout.count() / 1000));
+    return reply_to(open, connection.o_to_t_id, connection.t_to_o_id);
 }
 
-ExplicitConnection& ConnectionManager::admit(const cip::ForwardOpen& open, const cip::Origin& origin) {
-    ExplicitConnection connection;
-    connection.o_to_t_id = choose_id();
-    connection.t_to_o_id = open.t_to_o_id;
-    connection.triad = open.triad;
-    connection.session = origin.session;
-    connection.address = origin.address;
-    connection.reply_limit = static_cast<std::size_t>(open.t_to_o.size - sequence_octets);
-    connection.timeout = watchdog(open.o_to_t_rpi, open.timeout_multiplier);
-    connection.deadline = origin.now + std::max<microseconds>(connection.timeout, first_message_patience);
-    const auto id = connection.o_to_t_id;
-    return connections_.insert_or_assign(id, std::move(connection)).first->second;
+OpenResult<cip::ForwardOpenReply> ConnectionManager::admit_io(const cip::ForwardOpen& open, const cip::Origin& origin) {
+    const auto wanted = check_io_open(open, node_);
+    if (!wanted) return wanted.error();
+    const auto opened = io_.open(open, *wanted, origin, free_number());
+    if (!opened) return opened.error();
+    const auto& connection = **opened;
+    log_(LogLevel::info, fmt::format("{} open: O->T every {} us, T->O every {} us to {}, times out after {} ms",
+                                     describe(connection), open.o_to_t_rpi, open.t_to_o_rpi,
+                                     enip::to_string(connection.production->producer.settings().route.peer),
+                                     connection.consumer.settings().timeout.count() / 1000));
+    return reply_to(open, connection.o_to_t_id, connection.t_to_o_id);
 }
 
-std::uint32_t ConnectionManager::choose_id() {
-    std::uint32_t id = 0;
-    do {
-        id = std::uint32_t{incarnation_} << 16 | ++last_number_;
-    } while (connections_.contains(id));
-    return id;
-}
-
-ExplicitConnection* ConnectionManager::find(const cip::ConnectionTriad& triad) {
-    const auto found =
-        std::ranges::find_if(connections_, [&](const auto& entry) { return entry.second.triad == triad; });
-    return found != connections_.end() ? &found->second : nullptr;
+// The lowest that no connection has.
+std::uint16_t ConnectionManager::free_number() const {
+    std::uint16_t number = 1;
+    while (io_.find(number) != nullptr || explicit_.find(number) != nullptr) ++number;
+    return number;
 }
 
 cip::Response ConnectionManager::forward_close(const cip::RequestView& request, const cip::Origin& origin) {
@@ -282,20 +247,24 @@ cip::Response ConnectionManager::forward_close(const cip::RequestView& request, 
     const auto close = cip::ForwardClose::parse(request.data);
     if (!close) {
         count(Counter::close_format_rejects);
-        constexpr std::size_t triad_offset = 2;
-        return refuse(request.service, length_status(close.error()), triad_at(request.data, triad_offset));
+        return refuse(request.service, length_status(close.error()), triad_at(request.data, close_triad_offset));
     }
-    const auto* connection = find(close->triad);
-    if (connection == nullptr) {
+    const auto* io = io_.find(close->triad);
+    const auto* messages = explicit_.find(close->triad);
+    if (io == nullptr && messages == nullptr) {
         count(Counter::close_other_rejects);
         return refuse(request.service, cip::ConnectionFailure::connection_not_found, close->triad);
     }
-    if (connection->address != origin.address) {
+    if ((io != nullptr ? io->originator.address : messages->address) != origin.address) {
         count(Counter::close_other_rejects);
         return refuse(request.service, cip::GeneralStatus::privilege_violation, close->triad);
     }
-    log_(LogLevel::info, fmt::format("class 3 connection 0x{:08X} closed", connection->o_to_t_id));
-    connections_.erase(connection->o_to_t_id);
+    if (io != nullptr) {
+        io_.close(*io);
+    } else {
+        log_(LogLevel::info, fmt::format("class 3 connection 0x{:08X} closed", messages->o_to_t_id));
+        explicit_.close(messages->o_to_t_id);
+    }
     return {request.service, {}, cip::ForwardCloseReply{close->triad, {}}.encode()};
 }
 
@@ -315,46 +284,61 @@ cip::Response ConnectionManager::unconnected_send(const cip::RequestView& reques
     return *std::move(response);
 }
 
-std::optional<enip::SendData> ConnectionManager::on_connected(const enip::ConnectedMessage& message,
-                                                              std::uint64_t session, std::uint32_t address,
-                                                              cip::Time now) {
-    on_timer(now);  // a request does not revive a connection whose time is over
-    const auto found = connections_.find(message.connection_id);
-    if (found == connections_.end() || found->second.session != session) return std::nullopt;  // R-ENC-23
-    auto& connection = found->second;
-    connection.deadline = now + connection.timeout;
-    if (connection.last_sequence != message.sequence) {
-        const cip::Origin origin{.via = cip::Origin::Via::connected,
-                                 .session = session,
-                                 .address = address,
-                                 .reply_limit = connection.reply_limit,
-                                 .now = now};
-        const auto response = router_.handle(message.message, origin);
-        if (!response) return std::nullopt;
-        connection.last_sequence = message.sequence;
-        connection.last_reply = response->encode();
+cip::Response ConnectionManager::get_connection_data(const cip::RequestView& request) const {
+    const auto number = whole_value<std::uint16_t>(request.data);
+    if (!number) return {request.service, number.error(), {}};
+    return connection_data(request.service, io_.find(*number), explicit_.find(*number));
+}
+
+cip::Response ConnectionManager::search_connection_data(const cip::RequestView& request) const {
+    constexpr std::size_t triad_octets = 8;
+    const auto wrong = length_status(request.data, triad_octets);
+    if (wrong != cip::GeneralStatus::success) return {request.service, wrong, {}};
+    const auto triad = triad_at(request.data, 0);
+    return connection_data(request.service, io_.find(triad), explicit_.find(triad));
+}
+
+// The path leads to an O->T point; the drive has one owner, whichever point it took (R-CON-30).
+cip::Response ConnectionManager::get_connection_owner(const cip::RequestView& request) const {
+    cip::Reader reader(request.data);
+    reader.reserved(1);
+    const auto octets = reader.u8() * std::size_t{2};
+    const auto path = cip::Path::parse(reader.take(octets));
+    const auto wrong = length_status(reader);
+    if (wrong != cip::GeneralStatus::success) return {request.service, wrong, {}};
+    if (!path || path->segments.empty()) return {request.service, cip::GeneralStatus::path_segment_error, {}};
+    const auto* point = std::get_if<cip::LogicalSegment>(&path->segments.back());
+    const auto* kind = point != nullptr ? assemblies::find_by_output(point->value) : nullptr;
+    if (kind == nullptr) return {request.service, cip::GeneralStatus::path_destination_unknown, {}};
+    cip::ConnectionOwner owner;
+    owner.connections = static_cast<std::uint8_t>(std::ranges::count_if(
+        io_.all(), [&](const auto& each) { return each->kind->o_to_t_point == kind->o_to_t_point; }));
+    if (owner.connections > 0 && io_.owner() != nullptr && io_.owner()->kind->o_to_t_point == kind->o_to_t_point) {
+        owner.triad = io_.owner()->request.triad;
     }
-    return enip::SendData::connected(connection.t_to_o_id, message.sequence, connection.last_reply);
+    return {request.service, {}, owner.encode()};
 }
 
-void ConnectionManager::on_session_closed(std::uint64_t session) {
-    std::erase_if(connections_, [&](const auto& entry) { return entry.second.session == session; });
+std::optional<enip::SendData> ConnectionManager::on_connected(const enip::ConnectedMessage& message,
+                                                              const cip::Origin& origin) {
+    // A request does not revive a connection whose time is over.
+    explicit_.on_timer(origin.now, [this](const auto&) { count(Counter::connection_timeouts); });
+    return explicit_.on_message(message, origin, router_);
 }
 
-void ConnectionManager::on_timer(cip::Time now) {
-    std::erase_if(connections_, [&](const auto& entry) {
-        if (entry.second.deadline > now) return false;
+void ConnectionManager::on_timer(cip::Time now, enip::IoQueue& queue) {
+    io_.on_timer(now, queue, counters_[static_cast<std::size_t>(Counter::connection_timeouts) - 1]);
+    explicit_.on_timer(now, [this](const ExplicitConnection& connection) {
         count(Counter::connection_timeouts);
-        log_(LogLevel::warning, fmt::format("class 3 connection 0x{:08X} timed out", entry.first));
-        return true;
+        log_(LogLevel::warning, fmt::format("class 3 connection 0x{:08X} timed out", connection.o_to_t_id));
     });
 }
 
 std::optional<cip::Time> ConnectionManager::next_deadline() const {
-    const auto first =
-        std::ranges::min_element(connections_, {}, [](const auto& entry) { return entry.second.deadline; });
-    if (first == connections_.end()) return std::nullopt;
-    return first->second.deadline;
+    const auto first = io_.next_deadline();
+    const auto second = explicit_.next_deadline();
+    if (!first || !second) return first ? first : second;
+    return std::min(*first, *second);
 }
 
 void ConnectionManager::count(Counter counter) { ++counters_[static_cast<std::size_t>(counter) - 1]; }
@@ -365,10 +349,14 @@ void ConnectionManager::count_reject(const cip::Status& status) {
     const auto failure = static_cast<ConnectionFailure>(status.extended.empty() ? 0 : status.extended.front());
     switch (failure) {
         case ConnectionFailure::out_of_connections:
+        case ConnectionFailure::target_out_of_connections:
             count(Counter::open_resource_rejects);
             break;
         case ConnectionFailure::duplicate_forward_open:
         case ConnectionFailure::null_forward_open_not_supported:
+        case ConnectionFailure::ownership_conflict:
+        case ConnectionFailure::no_non_listen_only_connection:
+        case ConnectionFailure::not_configured_for_off_subnet_multicast:
             count(Counter::open_other_rejects);
             break;
         default:

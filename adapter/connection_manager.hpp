@@ -1,16 +1,19 @@
-// The Connection Manager (0x06, R-CM) as far as explicit messages need it: class 3 connections and Unconnected_Send.
-// Class 0 and 1 (I/O) opens are refused with 0x01/0x0103 until this device serves them.
+// The Connection Manager (0x06, R-CM): opens and closes the connections of the device, answers what is asked about them,
+// and executes requests that come in an Unconnected_Send.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
+#include <functional>
 #include <optional>
-#include <vector>
 
+#include "adapter/connection_ids.hpp"
+#include "adapter/explicit_connections.hpp"
+#include "adapter/io_connections.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
+#include "cip/connection_data.hpp"
 #include "cip/forward_open.hpp"
 #include "cip/message_router.hpp"
 #include "cip/object.hpp"
@@ -31,27 +34,14 @@ enum class Counter : std::uint8_t {
     close_other_rejects,
     connection_timeouts,
 };
-
-/// An open class 3 connection (R-CON-45 to R-CON-47).
-struct ExplicitConnection {
-    std::uint32_t o_to_t_id = 0;  ///< ours: what arrives carries it
-    std::uint32_t t_to_o_id = 0;  ///< the originator's: what we send carries it
-    cip::ConnectionTriad triad;
-    std::uint64_t session = 0;    ///< the TCP connection that opened it
-    std::uint32_t address = 0;    ///< the originator's IPv4 address
-    std::size_t reply_limit = 0;  ///< octets of a message router reply
-    std::chrono::microseconds timeout{};
-    cip::Time deadline{};
-    std::optional<std::uint16_t> last_sequence{};
-    cip::Bytes last_reply{};  ///< resent when a sequence count repeats (R-CON-46)
-};
+inline constexpr std::size_t connection_counters = 8;
 
 class ConnectionManager final : public cip::Object {
 public:
-    /// `router` executes embedded and connected requests and must outlive this object. `incarnation` goes into the
-    /// upper half of every connection id that this target chooses, so that ids differ between starts (R-CON-16).
-    ConnectionManager(cip::MessageRouter& router, cip::NodeIdentity node, const Limits& limits,
-                      std::uint16_t incarnation, Log log);
+    /// `router` executes embedded and connected requests. All references must outlive this object. `incarnation`: see
+    /// ConnectionIds.
+    ConnectionManager(cip::MessageRouter& router, cip::NodeIdentity node, DriveIo& drive,
+                      const NetworkSettings& network, const Limits& limits, std::uint16_t incarnation, Log log);
 
     // As a CIP object.
     [[nodiscard]] cip::ClassInfo info() const override;
@@ -67,39 +57,46 @@ public:
 
     /// A SendUnitData. Nullopt when nothing is answered: unknown id, id of another TCP connection, or no message in it.
     [[nodiscard]] std::optional<enip::SendData> on_connected(const enip::ConnectedMessage& message,
-                                                             std::uint64_t session, std::uint32_t address,
-                                                             cip::Time now);
+                                                             const cip::Origin& origin);
 
-    /// A TCP connection has gone: its class 3 connections go with it (R-ENC-25).
-    void on_session_closed(std::uint64_t session);
-    /// Closes the connections whose time is over.
-    void on_timer(cip::Time now);
+    /// A TCP connection has gone: its class 3 connections go with it, class 1 lives on (R-ENC-25).
+    void on_session_closed(std::uint64_t session) { explicit_.on_session_closed(session); }
+    /// Closes the connections whose time is over, and produces what is due into `queue`.
+    void on_timer(cip::Time now, enip::IoQueue& queue);
     [[nodiscard]] std::optional<cip::Time> next_deadline() const;
 
-    [[nodiscard]] std::size_t connections() const { return connections_.size(); }
+    /// Asked before each open: a status here refuses it, whatever it asks for. For tests of originators.
+    void refuse_opens(std::function<std::optional<cip::Status>()> refuse) { refuse_ = std::move(refuse); }
+
+    [[nodiscard]] IoConnections& io() { return io_; }
+    [[nodiscard]] const IoConnections& io() const { return io_; }
+    [[nodiscard]] const ExplicitConnections& explicit_connections() const { return explicit_; }
+    [[nodiscard]] std::uint16_t counter(Counter which) const { return counters_[static_cast<std::size_t>(which) - 1]; }
 
 private:
     cip::Response forward_open(const cip::RequestView& request, const cip::Origin& origin);
     cip::Response forward_close(const cip::RequestView& request, const cip::Origin& origin);
     cip::Response unconnected_send(const cip::RequestView& request, const cip::Origin& origin);
+    cip::Response get_connection_data(const cip::RequestView& request) const;
+    cip::Response search_connection_data(const cip::RequestView& request) const;
+    cip::Response get_connection_owner(const cip::RequestView& request) const;
 
-    [[nodiscard]] cip::Status check(const cip::ForwardOpen& open) const;
-    [[nodiscard]] cip::Status check_path(cip::ByteView octets) const;
-    [[nodiscard]] cip::Status check_sizes(const cip::ForwardOpen& open) const;
-    ExplicitConnection& admit(const cip::ForwardOpen& open, const cip::Origin& origin);
-    [[nodiscard]] std::uint32_t choose_id();
-    [[nodiscard]] ExplicitConnection* find(const cip::ConnectionTriad& triad);
+    [[nodiscard]] OpenResult<cip::ForwardOpenReply> admit(const cip::ForwardOpen& open, const cip::Origin& origin);
+    [[nodiscard]] OpenResult<cip::ForwardOpenReply> admit_explicit(const cip::ForwardOpen& open,
+                                                                   const cip::Origin& origin);
+    [[nodiscard]] OpenResult<cip::ForwardOpenReply> admit_io(const cip::ForwardOpen& open, const cip::Origin& origin);
+    [[nodiscard]] std::uint16_t free_number() const;
     void count(Counter counter);
     void count_reject(const cip::Status& status);
 
     cip::MessageRouter& router_;
     cip::NodeIdentity node_;
-    const Limits& limits_;
-    std::uint16_t incarnation_;
-    std::uint16_t last_number_ = 0;
     Log log_;
-    std::map<std::uint32_t, ExplicitConnection> connections_;  ///< by our id
-    std::array<std::uint16_t, 8> counters_{};
+    ConnectionIds ids_;
+    ExplicitConnections explicit_;
+    IoConnections io_;
+    std::function<std::optional<cip::Status>()> refuse_;
+    std::array<std::uint16_t, connection_counters> counters_{};
 };
 
 }  // namespace servobus::adapter

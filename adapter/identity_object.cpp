@@ -14,8 +14,8 @@ constexpr std::size_t attributes_in_all = 7;
 
 }  // namespace
 
-IdentityObject::IdentityObject(drive::Identity identity, std::function<void(ResetType, cip::Time)> reset)
-    : identity_(std::move(identity)), reset_(std::move(reset)) {}
+IdentityObject::IdentityObject(drive::Identity identity, Reset reset, std::function<std::uint16_t()> io_status)
+    : identity_(std::move(identity)), reset_(std::move(reset)), io_status_(std::move(io_status)) {}
 
 cip::ClassInfo IdentityObject::info() const {
     return {.class_id = cip::class_id::identity, .max_instance_attribute = 8, .class_attributes_all = true};
@@ -76,8 +76,7 @@ cip::Response IdentityObject::call(const cip::RequestView& request, const cip::R
     if (type != ResetType::restart && type != ResetType::factory_defaults) {
         return answer(cip::GeneralStatus::invalid_parameter);
     }
-    reset_(type, origin.now);
-    return answer(cip::GeneralStatus::success);
+    return answer(reset_(type, origin.now));
 }
 
 enip::IdentityItem IdentityObject::item(enip::SocketAddress own) const {

@@ -20,13 +20,12 @@ enum class ResetType : std::uint8_t {
     factory_defaults = 1,  ///< and then a restart
 };
 
-/// The status word of attribute 5 without I/O connections: not owned, extended status 3 (R-ID-3, R-ID-4).
-inline constexpr std::uint16_t status_no_io_connection = 0x0030;
-
 class IdentityObject final : public cip::Object {
 public:
-    /// `reset` is called for every reset that is granted; the reply leaves before it takes effect.
-    IdentityObject(drive::Identity identity, std::function<void(ResetType, cip::Time)> reset);
+    /// Grants a reset, which takes effect when the reply has left, or says why not.
+    using Reset = std::function<cip::GeneralStatus(ResetType, cip::Time)>;
+    /// `io_status` tells what the I/O connections say in the status word: bit 0 and bits 4 to 7 (R-ID-3, R-ID-4).
+    IdentityObject(drive::Identity identity, Reset reset, std::function<std::uint16_t()> io_status);
 
     [[nodiscard]] cip::ClassInfo info() const override;
     [[nodiscard]] bool offers(std::uint8_t service) const override;
@@ -37,14 +36,15 @@ public:
     [[nodiscard]] cip::Response call(const cip::RequestView& request, const cip::RequestPath& path,
                                      const cip::Origin& origin) override;
 
-    [[nodiscard]] std::uint16_t status() const { return status_no_io_connection; }
+    [[nodiscard]] std::uint16_t status() const { return io_status_(); }
 
     /// The item of ListIdentity. `own` is the address that the request came to.
     [[nodiscard]] enip::IdentityItem item(enip::SocketAddress own) const;
 
 private:
     drive::Identity identity_;
-    std::function<void(ResetType, cip::Time)> reset_;
+    Reset reset_;
+    std::function<std::uint16_t()> io_status_;
 };
 
 /// What an electronic key is compared with.

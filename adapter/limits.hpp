@@ -22,6 +22,8 @@ struct Limits {
     std::chrono::milliseconds refusal_patience{1000};
     /// Class 3 connections of the whole device.
     std::size_t class3_connections = 128;
+    /// Class 1 connections of those who only look on; beside them there is one owner (R-CON-48).
+    std::size_t listening_connections = 8;
     /// Octets of replies that may wait on one TCP connection before no more of its requests are read.
     std::size_t queued_bytes = std::size_t{64} * 1024;
     /// Messages of one TCP connection that are answered before others have their turn.

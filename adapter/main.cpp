@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <random>
@@ -19,6 +20,7 @@
 #include "adapter/axis_file.hpp"
 #include "adapter/config.hpp"
 #include "adapter/control.hpp"
+#include "adapter/fleet.hpp"
 #include "adapter/scenario.hpp"
 #include "adapter/version.hpp"
 #include "drive/xenax.hpp"
@@ -31,9 +33,10 @@ using servobus::adapter::Config;
 using servobus::adapter::Control;
 using servobus::adapter::DeviceFile;
 using servobus::adapter::FileError;
+using servobus::adapter::Fleet;
 using servobus::adapter::LogLevel;
-using servobus::adapter::ResetType;
 using servobus::adapter::Timetable;
+using servobus::enip::asio::Listening;
 using servobus::enip::asio::TargetServer;
 namespace drive = servobus::drive;
 
@@ -45,8 +48,10 @@ constexpr int cannot_listen = 3;
 struct Arguments {
     std::string config_file;
     std::optional<std::string> variant;
-    std::optional<std::string> bind;
+    std::vector<std::string> binds;
     std::optional<std::uint16_t> port;
+    std::optional<std::uint16_t> io_port;
+    std::optional<std::size_t> count;
     std::optional<std::string> log_level;
     std::optional<std::string> axis;
     std::optional<std::uint64_t> seed;
@@ -92,8 +97,17 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     for (const auto& model : drive::xenax_models()) variants.emplace_back(model.key);
     app.add_option("--variant", arguments.variant, "Which XENAX Xvi (75v8s unless given)")
         ->check(CLI::IsMember(variants));
-    app.add_option("--bind", arguments.bind, "IPv4 address to listen at (127.0.0.1 unless given)");
+    app.add_option("--bind", arguments.binds,
+                   "IPv4 address to listen at (127.0.0.1 unless given); once for each drive, or the first of --count")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--count", arguments.count,
+                   "How many drives, each at an address of its own, with a serial number of its own (1 unless given)")
+        ->check(CLI::Range(std::size_t{1}, servobus::adapter::max_drives));
     app.add_option("--port", arguments.port, "TCP and UDP port (44818 unless given; 0 takes a free one)")
+        ->check(CLI::Range(0, 65535));
+    app.add_option("--io-port", arguments.io_port,
+                   "UDP port of I/O data (2222 unless given, or another one when that is taken)")
         ->check(CLI::Range(0, 65535));
     app.add_option("--config", arguments.config_file, "JSON file with these settings and more; see docs/adapter.md");
     app.add_option("--log-level", arguments.log_level, "How much to say on stderr (info unless given)")
@@ -105,6 +119,8 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         "  servobus-adapter                          a 75V8S on this machine alone\n"
         "  servobus-adapter --variant 48v8 --port 0  a 48V8 at a free port\n"
         "  servobus-adapter --bind 192.168.1.20      on the network; read SECURITY.md first\n"
+        "  servobus-adapter --bind 127.0.1.1 --count 8\n"
+        "                                            eight of them, at 127.0.1.1 to 127.0.1.8\n"
         "  servobus-adapter --config drive.json      with identity, start values and limits of its own\n"
         "  servobus-adapter --axis linax-lxc-230f10 --control -\n"
         "                                            with that axis, and events from standard input\n"
@@ -127,7 +143,10 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
 // The command line wins over the file.
 void override_with(const Arguments& arguments, Config& config) {
     if (arguments.variant) config.variant = *arguments.variant;
-    if (arguments.bind) config.bind = *arguments.bind;
+    if (!arguments.binds.empty()) config.bind = arguments.binds.front();
+    if (arguments.io_port) config.io_port = *arguments.io_port;
+    if (arguments.binds.size() > 1) config.count = arguments.binds.size();
+    if (arguments.count) config.count = *arguments.count;
     if (arguments.port) config.port = *arguments.port;
     if (arguments.log_level) config.log_level = *servobus::adapter::log_level(*arguments.log_level);
     if (arguments.axis) static_cast<void>(choose_axis(*arguments.axis, config));  // checked by parse()
@@ -160,9 +179,11 @@ std::shared_ptr<spdlog::logger> make_logger(LogLevel level) {
 }
 
 // Every connection is a descriptor; a shell's usual 1,024 may be fewer than the limits ask for.
-void make_room_for_descriptors(const servobus::adapter::Limits& limits, spdlog::logger& logger) {
+void make_room_for_descriptors(const servobus::adapter::Limits& limits, std::size_t drives, spdlog::logger& logger) {
     constexpr rlim_t own = 64;
-    const rlim_t wanted = limits.tcp_connections + limits.refusals + own;
+    // All the connections that one drive serves, a few for each of many, and everybody's own sockets.
+    constexpr rlim_t of_each = 16;
+    const rlim_t wanted = limits.tcp_connections + limits.refusals + own + of_each * drives;
     rlimit files{};
     if (::getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= wanted) return;
     files.rlim_cur = std::min(wanted, files.rlim_max);
@@ -173,15 +194,16 @@ void make_room_for_descriptors(const servobus::adapter::Limits& limits, spdlog::
     }
 }
 
+// What is to be added to the clock of this process for microseconds since 1970.
+std::chrono::microseconds epoch_of_steady_clock() {
+    const auto day = std::chrono::system_clock::now().time_since_epoch();
+    const auto steady = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::microseconds>(day - steady);
+}
+
 std::uint64_t unpredictable_seed() {
     std::random_device source;
     return std::uint64_t{source()} << 32 | source();
-}
-
-void restart(ResetType type, const Config& config, drive::Device& device) {
-    device.reset();
-    // Factory defaults are those of the manual; a plain restart powers up with what was configured.
-    if (type == ResetType::restart) apply_values(config, device);
 }
 
 // What a configuration names and other files say.
@@ -206,19 +228,18 @@ std::optional<int> load_files(Config& config, Files& files) {
     return std::nullopt;
 }
 
-void announce(const drive::Identity& identity, const TargetServer& server) {
+void announce(const drive::Identity& identity, const Listening& listening) {
+    const bool usual = listening.io_port == servobus::enip::io_port;
+    const auto io = usual ? std::string() : fmt::format("; I/O data at UDP {}", listening.io_port);
     fmt::print(
         "{} (vendor {}, device type {}, product code 0x{:04X}, revision {}.{}, serial number 0x{:08X}) "
-        "listens at {}, TCP and UDP\n",
+        "listens at {}, TCP and UDP{}\n",
         identity.product_name, identity.vendor, identity.device_type, identity.product_code, identity.major_revision,
-        identity.minor_revision, identity.serial_number, servobus::enip::to_string(server.local()));
-    std::fflush(stdout);
+        identity.minor_revision, identity.serial_number, servobus::enip::to_string(listening.local), io);
 }
 
 // Nullopt, or the exit code.
-std::optional<int> listen(TargetServer& server, const Config& config, const std::vector<std::string>& controls,
-                          Control& control) {
-    if (const auto error = server.listen(config.bind, config.port)) return fail(cannot_listen, error->reason);
+std::optional<int> serve_lines(TargetServer& server, const std::vector<std::string>& controls, Control& control) {
     using servobus::adapter::control_error;
     const servobus::enip::asio::LineService service{
         .answer = [&](std::string_view line, servobus::enip::Time now) { return control.answer(line, now); },
@@ -232,26 +253,42 @@ std::optional<int> listen(TargetServer& server, const Config& config, const std:
     return std::nullopt;
 }
 
-int serve(const Config& config, Files files, const std::vector<std::string>& controls) {
+// Nullopt, or the exit code.
+std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& config,
+                          const std::vector<std::string>& addresses, std::vector<Listening>& places) {
+    for (std::size_t i = 0; i < fleet.size(); ++i) {
+        auto& adapter = fleet[i].adapter;
+        const auto listening =
+            server.listen(adapter, {.address = addresses[i], .port = config.port, .io_port = config.io_port});
+        if (!listening) return fail(cannot_listen, listening.error().reason);
+        auto& network = adapter.network();
+        network.interface.address = listening->local.address;
+        network.interface.mask = listening->subnet_mask;
+        network.io_port = listening->io_port;
+        adapter.set_epoch(epoch_of_steady_clock());
+        places.push_back(*listening);
+    }
+    return std::nullopt;
+}
+
+int serve(const Config& config, const Files& files, const std::vector<std::string>& addresses,
+          const std::vector<std::string>& controls) {
     const auto logger = make_logger(config.log_level);
-    make_room_for_descriptors(config.limits, *logger);
-    auto device = make_device(config);
+    make_room_for_descriptors(config.limits, addresses.size(), *logger);
     const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
-    Adapter adapter(device, config.limits, unpredictable_seed(), log,
-                    servobus::adapter::make_network(device.identity()), std::move(files.eds));
-    adapter.on_restart([&](ResetType type) { restart(type, config, device); });
-    adapter.play(std::move(files.scenario));
-    Control control(adapter, axis_of(config));
-    TargetServer server(adapter, [&](const std::string& line) { logger->warn(line); });
-    if (const auto code = listen(server, config, controls, control)) return *code;
-    adapter.network().interface.address = server.local().address;
-    adapter.network().interface.mask = server.subnet_mask();
+    Fleet fleet(config, addresses, unpredictable_seed(), log, files.eds, files.scenario);
+    Control control(fleet[0].adapter, axis_of(config));
+    TargetServer server([&](const std::string& line) { logger->warn(line); });
+    std::vector<Listening> places;
+    if (const auto code = listen(server, fleet, config, addresses, places)) return *code;
+    if (const auto code = serve_lines(server, controls, control)) return *code;
     server.catch_signals();  // before anybody is told that it listens
-    announce(device.identity(), server);
-    if (device.has_machine()) logger->info("the axis is a {}", axis_of(config).name);
+    for (std::size_t i = 0; i < fleet.size(); ++i) announce(fleet[i].device.identity(), places[i]);
+    std::fflush(stdout);
+    if (fleet[0].device.has_machine()) logger->info("the axis is a {}", axis_of(config).name);
     server.run([&] {
-        logger->info("stopping: {} sessions are closed", adapter.sessions());
-        adapter.shut_down();
+        logger->info("stopping: {} sessions are closed", fleet.sessions());
+        fleet.shut_down();
     });
     return done;
 }
@@ -283,7 +320,10 @@ int run(int argc, char** argv) {
     override_with(arguments, config);
     Files files;
     if (const auto code = load_files(config, files)) return *code;
-    return serve(config, std::move(files), arguments.controls);
+    const auto binds = arguments.binds.size() > 1 ? arguments.binds : std::vector{config.bind};
+    const auto addresses = servobus::adapter::drive_addresses(binds, config.count);
+    if (const auto* reason = std::get_if<std::string>(&addresses)) return fail(wrong_usage, *reason);
+    return serve(config, files, std::get<std::vector<std::string>>(addresses), arguments.controls);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cip/bytes.hpp"
+#include "enip/encapsulation.hpp"
 
 namespace servobus::adapter {
 
@@ -57,6 +58,7 @@ struct NetworkSettings {
         std::uint16_t forced_speed = 0;
     };
     std::array<LinkControl, 2> links{};
+    std::uint16_t io_port = enip::io_port;  ///< where class 0 and 1 data comes in
     QualityOfService qos;
     RingStatus ring;
 };

@@ -42,6 +42,12 @@ public:
     [[nodiscard]] std::span<const std::uint8_t> octets(const Entry& entry) const {
         return std::span(octets_).subspan(entry.offset, entry.size);
     }
+    /// All of another queue, behind what is here.
+    void append(const IoQueue& other) {
+        const auto offset = octets_.size();
+        octets_.insert(octets_.end(), other.octets_.begin(), other.octets_.end());
+        for (const auto& entry : other.entries_) entries_.push_back({entry.route, offset + entry.offset, entry.size});
+    }
     /// Keeps its memory.
     void clear() {
         entries_.clear();

@@ -1,6 +1,7 @@
-// Puts an enip::Target on the network: TCP and UDP sockets, one thread, one timer.
+// Puts enip::Targets on the network: TCP and UDP sockets, one thread, one clock. Each target has an address of its own.
 #pragma once
 
+#include <boost/system/result.hpp>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <string>
 
 #include "enip/asio/line_service.hpp"
+#include "enip/encapsulation.hpp"
 #include "enip/target.hpp"
 
 namespace servobus::enip::asio {
@@ -17,23 +19,34 @@ struct ListenError {
     std::string reason;
 };
 
+/// Where a target is to be found.
+struct ListenOptions {
+    std::string address = "127.0.0.1";  ///< IPv4, "0.0.0.0" for all of this machine
+    std::uint16_t port = tcp_port;      ///< TCP and UDP; 0 takes one that is free for both
+    /// UDP of class 0 and 1. Without a wish it is 2222, or one that is free when that is taken or `port` is 0: the reply to
+    /// a Forward_Open tells it (R-CPF-8).
+    std::optional<std::uint16_t> io_port{};
+};
+
+/// Where it is found now.
+struct Listening {
+    Endpoint local;
+    std::uint16_t io_port = 0;
+    std::uint32_t subnet_mask = 0;  ///< of the subnet that the address is in; 0 at all addresses
+};
+
 class TargetServer {
 public:
-    /// `problem` receives a line when something goes wrong that the server can live with. The target must outlive the
-    /// server.
-    explicit TargetServer(Target& target, std::function<void(const std::string&)> problem = {});
+    /// `problem` receives a line when something goes wrong that the server can live with.
+    explicit TargetServer(std::function<void(const std::string&)> problem = {});
     ~TargetServer();
     TargetServer(const TargetServer&) = delete;
     TargetServer& operator=(const TargetServer&) = delete;
 
-    /// Opens TCP and UDP at an IPv4 address ("127.0.0.1", "0.0.0.0"). Port 0 takes a free one, the same for both.
-    [[nodiscard]] std::optional<ListenError> listen(const std::string& address, std::uint16_t port);
-    /// Where it listens, after listen().
-    [[nodiscard]] Endpoint local() const;
-    /// The mask of the subnet that local() is in; 0 when it listens at all addresses.
-    [[nodiscard]] std::uint32_t subnet_mask() const;
+    /// Opens the sockets of a target, which must outlive the server. Any number of these, before run().
+    [[nodiscard]] boost::system::result<Listening, ListenError> listen(Target& target, const ListenOptions& options);
 
-    /// Answers lines of text too, on the thread of run() and with the same clock as the target: "-" means standard input
+    /// Answers lines of text too, on the thread of run() and with the same clock as the targets: "-" means standard input
     /// and output, anything else is the path of a Unix-domain socket. Any number of these, before run().
     [[nodiscard]] std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
 

@@ -107,10 +107,6 @@ INSTANTIATE_TEST_SUITE_P(
                 [](auto& open) {
                     open.transport = {false, 0, 0};
                 }},
-        Refused{"0x0103 class 1", "01 01 0301",
-                [](auto& open) {
-                    open.transport = {false, 0, 1};
-                }},
         Refused{"0x0103 class 2", "01 01 0301",
                 [](auto& open) {
                     open.transport = {true, 2, 2};
@@ -613,7 +609,7 @@ TEST(UnconnectedSend, R_CM_9_HoldsNoOther) {
 TEST(ConnectionManager, R_CM_1_OffersNothingElse) {
     Site site;
     auto peer = registered(site);
-    for (const unsigned service : {0x01, 0x02, 0x03, 0x04, 0x05, 0x56, 0x57, 0x5A, 0x4B, 0x53, 0x55}) {
+    for (const unsigned service : {0x01, 0x02, 0x03, 0x04, 0x05, 0x4B, 0x53, 0x55}) {
         EXPECT_EQ(peer.call(fmt::format("{:02X} 02 20 06 24 01", service)),
                   hex(fmt::format("{:02X} 00 08 00", service | 0x80)));
     }

@@ -68,7 +68,7 @@ protected:
     }
     /// Listens at the path and serves in a thread; why not, otherwise.
     std::string start() {
-        if (const auto error = server_.listen("127.0.0.1", 0)) return error->reason;
+        if (const auto place = server_.listen(adapter_, {.port = 0}); !place) return place.error().reason;
         if (const auto error = server_.serve_lines(service_, path_)) return error->reason;
         thread_ = std::thread([this] { server_.run(); });
         return "";
@@ -88,7 +88,7 @@ protected:
                                .too_many = "too many"};
     drive::Device device_{drive::xenax_models().front()};
     adapter::Adapter adapter_{device_, {}, 1};
-    TargetServer server_{adapter_};
+    TargetServer server_;
     std::thread thread_;
 };
 
@@ -164,7 +164,7 @@ TEST_F(LineServer, TakesThePlaceOfASocketThatNobodyListensAt) {
 
 TEST_F(LineServer, LeavesASocketAloneThatSomebodyListensAt) {
     ASSERT_EQ(start(), "");
-    TargetServer second(adapter_);
+    TargetServer second;
     const auto error = second.serve_lines(service_, path_);
     ASSERT_TRUE(error);
     EXPECT_EQ(error->reason, "cannot listen at '" + path_ + "': another program listens there");

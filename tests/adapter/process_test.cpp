@@ -142,8 +142,10 @@ bool is_one_line(const std::string& text) { return !text.empty() && text.find('\
 TEST(Process, SaysWhoItIsAndWhereItListens) {
     const Program program({"--port", "0"});
     const auto line = program.first_line();
-    EXPECT_THAT(line, MatchesRegex("XENAX Xvi 75V8S \\(vendor 1389, device type 43, product code 0x7509, revision 1.1, "
-                                   "serial number 0x00A1B2C3\\) listens at 127.0.0.1:[0-9]+, TCP and UDP"));
+    EXPECT_THAT(
+        line,
+        MatchesRegex("XENAX Xvi 75V8S \\(vendor 1389, device type 43, product code 0x7509, revision 1.1, "
+                     "serial number 0x00A1B2C3\\) listens at 127.0.0.1:[0-9]+, TCP and UDP; I/O data at UDP [0-9]+"));
     TcpClient client(port_in(line));
     ASSERT_TRUE(client.register_session());
     EXPECT_EQ(hex(client.call(octets("0E 03 20 64 24 01 30 00"))), hex("8E 00 00 00 14 00 00 00"));

@@ -36,8 +36,10 @@ void set_option(int descriptor, int level, int name, int value) {
 }  // namespace
 
 RunningServer::RunningServer(adapter::Limits limits, drive::Device device)
-    : device_(std::move(device)), adapter_(device_, limits, 1), server_(adapter_) {
-    if (const auto error = server_.listen("127.0.0.1", 0)) throw std::runtime_error(error->reason);
+    : device_(std::move(device)), adapter_(device_, limits, 1), server_() {
+    const auto listening = server_.listen(adapter_, {.port = 0});
+    if (!listening) throw std::runtime_error(listening.error().reason);
+    port_ = listening->local.port;
     thread_ = std::thread([this] { server_.run([this] { adapter_.shut_down(); }); });
 }
 

@@ -29,12 +29,13 @@ public:
     RunningServer(const RunningServer&) = delete;
     RunningServer& operator=(const RunningServer&) = delete;
 
-    std::uint16_t port() const { return server_.local().port; }
+    std::uint16_t port() const { return port_; }
 
 private:
     drive::Device device_;
     adapter::Adapter adapter_;
     enip::asio::TargetServer server_;
+    std::uint16_t port_ = 0;
     std::thread thread_;
 };
 

@@ -34,6 +34,8 @@ public:
     // 192.168.2.1 speaks to the device at 192.168.2.100.
     static constexpr enip::Endpoint peer{0xC0A80201, 50000};
     static constexpr enip::Endpoint local{0xC0A80264, enip::tcp_port};
+    static constexpr enip::Endpoint io_peer{0xC0A80201, enip::io_port};
+    static constexpr enip::Endpoint io_local{0xC0A80264, enip::io_port};
 
     explicit AdapterHarness(drive::Device device = drive::Device(drive::xenax_models().front()),
                             adapter::Limits limits = {}, adapter::NetworkSettings network = {},
@@ -107,6 +109,25 @@ public:
         adapter_.on_datagram(peer, local, broadcast, octets, now_);
         if (broadcast) advance(std::chrono::seconds(66));
         return adapter_.take_datagrams();
+    }
+
+    /// A datagram at UDP 2222.
+    void io(cip::ByteView octets, enip::Endpoint from = io_peer) { adapter_.on_io(from, io_local, octets, now_); }
+    void io(std::string_view text) { io(octets(text)); }
+    /// The class 1 datagrams that were sent since the last call, each with its route.
+    struct Produced {
+        enip::IoRoute route;
+        cip::Bytes octets;
+    };
+    std::vector<Produced> produced() {
+        std::vector<Produced> all;
+        auto& queue = adapter_.io_queue();
+        for (const auto& entry : queue.entries()) {
+            const auto sent = queue.octets(entry);
+            all.push_back({entry.route, {sent.begin(), sent.end()}});
+        }
+        queue.clear();
+        return all;
     }
 
     /// Lets time pass, from deadline to deadline. A connection that the device ends is gone afterwards.

@@ -15,15 +15,16 @@ using namespace servobus;
 int main() {
     drive::Device device(drive::xenax_models().front());
     adapter::Adapter adapter(device, adapter::Limits{}, 1);
-    enip::asio::TargetServer server(adapter);
-    if (server.listen("127.0.0.1", 0)) return 1;
+    enip::asio::TargetServer server;
+    const auto listening = server.listen(adapter, {.port = 0});
+    if (!listening) return 1;
     std::thread serving([&] { server.run(); });
 
     net::io_context context;
     scanner::Client client(context.get_executor());
     const auto& row = *drive::find_by_name(drive::parameters(), drive::parameter_classes(), "SCurve").front();
     bool read = false;
-    client.async_connect("127.0.0.1", server.local().port, [&](boost::system::error_code) {
+    client.async_connect("127.0.0.1", listening->local.port, [&](boost::system::error_code) {
         client.async_read(row, [&](boost::system::error_code, scanner::ReadOutcome outcome) {
             read = outcome.value == drive::Value(std::int64_t{20});
         });

@@ -1,0 +1,86 @@
+#include "adapter/fleet.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <random>
+#include <utility>
+
+#include "drive/xenax.hpp"
+
+namespace servobus::adapter {
+namespace {
+
+std::optional<std::uint32_t> address_of(const std::string& text) {
+    in_addr address{};
+    if (::inet_pton(AF_INET, text.c_str(), &address) != 1) return std::nullopt;
+    return ntohl(address.s_addr);
+}
+
+std::string text_of(std::uint32_t address) {
+    const auto text = enip::to_string({address, 0});
+    return text.substr(0, text.find(':'));
+}
+
+// A plain restart powers up with what was configured; factory defaults are those of the manual.
+void restart(ResetType type, const Config& config, drive::Device& device) {
+    device.reset();
+    if (type == ResetType::restart) apply_values(config, device);
+}
+
+}  // namespace
+
+std::variant<std::vector<std::string>, std::string> drive_addresses(const std::vector<std::string>& binds,
+                                                                    std::size_t count) {
+    if (count < 1 || count > max_drives) return fmt::format("--count is a number from 1 to {}", max_drives);
+    if (binds.size() == count) return binds;
+    if (binds.size() != 1) {
+        return fmt::format("there are {} addresses for {} drives; give one for each, or the first alone", binds.size(),
+                           count);
+    }
+    const auto first = address_of(binds.front());
+    if (!first)
+        return fmt::format("'{}' is not an IPv4 address; give one of this machine, such as 127.0.0.1", binds[0]);
+    if (*first == 0) return std::string("several drives need an address each; 0.0.0.0 is all of them at once");
+    std::vector<std::string> addresses;
+    for (std::size_t i = 0; i < count; ++i) addresses.push_back(text_of(*first + static_cast<std::uint32_t>(i)));
+    return addresses;
+}
+
+Fleet::Member::Member(drive::Device made, const Config& config, std::uint64_t seed, LogSink log, DeviceFile eds)
+    : device(std::move(made)),
+      adapter(device, config.limits, seed, std::move(log), make_network(device.identity()), std::move(eds)) {
+    adapter.on_restart([this, &config](ResetType type) { restart(type, config, device); });
+}
+
+Fleet::Fleet(const Config& config, const std::vector<std::string>& addresses, std::uint64_t seed, const LogSink& log,
+             const DeviceFile& eds, const Timetable& scenario) {
+    std::mt19937_64 seeds(seed);
+    for (std::size_t i = 0; i < addresses.size(); ++i) {
+        auto own = config;
+        own.seed = config.seed + i;
+        own.serial_number = config.serial_number.value_or(drive::xenax_model(config.variant)->identity.serial_number) +
+                            static_cast<std::uint32_t>(i);
+        auto sink = log;
+        if (addresses.size() > 1) {
+            sink = [log, name = addresses[i]](LogLevel level, std::string_view line) {
+                log(level, fmt::format("{}: {}", name, line));
+            };
+        }
+        auto& member =
+            *members_.emplace_back(std::make_unique<Member>(make_device(own), config, seeds(), std::move(sink), eds));
+        member.adapter.play(scenario);
+    }
+}
+
+std::size_t Fleet::sessions() const {
+    std::size_t total = 0;
+    for (const auto& member : members_) total += member->adapter.sessions();
+    return total;
+}
+
+void Fleet::shut_down() {
+    for (const auto& member : members_) member->adapter.shut_down();
+}
+
+}  // namespace servobus::adapter

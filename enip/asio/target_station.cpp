@@ -1,0 +1,316 @@
+#include "enip/asio/target_station.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <utility>
+
+#include "enip/encapsulation.hpp"
+
+namespace servobus::enip::asio {
+namespace {
+
+namespace net = boost::asio;
+using boost::system::error_code;
+using net::ip::tcp;
+using namespace std::chrono_literals;
+
+constexpr auto awaited = net::as_tuple(net::use_awaitable);
+
+constexpr std::size_t read_buffer_octets = std::size_t{16} * 1024;
+/// Datagrams taken in one go before other work has its turn.
+constexpr int datagrams_at_once = 64;
+/// The same of class 0 and 1, in batches.
+constexpr int io_batches_at_once = 4;
+/// What a peer may still send after its last reply, and how long it may take, before its connection is cut.
+constexpr std::size_t farewell_octets = std::size_t{64} * 1024;
+constexpr auto farewell_time = 500ms;
+/// After accept() failed for want of a resource.
+constexpr auto accept_pause = 100ms;
+/// Port 0 is one that TCP has free; when UDP has not, another one is tried.
+constexpr int port_tries = 16;
+
+Endpoint to_endpoint(const tcp::endpoint& native) {
+    if (!native.address().is_v4()) return {};
+    return {native.address().to_v4().to_uint(), native.port()};
+}
+
+Time clock_now() { return std::chrono::steady_clock::now(); }
+
+ListenError cannot_listen(std::string_view protocol, Endpoint at, const error_code& error) {
+    std::string_view hint;
+    if (error == net::error::address_in_use)
+        hint = "; another program listens there, stop it or choose --port or --bind";
+    if (error == net::error::access_denied) hint = "; ports below 1024 need privileges";
+    if (error.value() == EADDRNOTAVAIL) hint = "; this machine does not have that address";
+    return {fmt::format("cannot listen at {} {}: {}{}", protocol, to_string(at), error.message(), hint)};
+}
+
+}  // namespace
+
+TargetStation::TargetStation(Target& target, const Shared& shared)
+    : target_(target),
+      shared_(shared),
+      acceptor_(shared.context),
+      unicast_(shared.context.get_executor()),
+      directed_(shared.context.get_executor()),
+      limited_(shared.context.get_executor()),
+      io_(shared.context.get_executor()),
+      timer_(shared.context) {}
+
+boost::system::result<Listening, ListenError> TargetStation::listen(const ListenOptions& options) {
+    error_code error;
+    const auto address = net::ip::make_address_v4(options.address, error);
+    if (error) {
+        return ListenError{
+            fmt::format("'{}' is not an IPv4 address; give one of this machine, such as 127.0.0.1", options.address)};
+    }
+    if (auto failed = open_messages(options, address.to_uint())) return *std::move(failed);
+    if (auto failed = open_io(options)) return *std::move(failed);
+    interface_ = interface_of(local_.address);
+    if (interface_) {
+        open_broadcast(directed_, interface_->broadcast());
+        open_broadcast(limited_, 0xFFFFFFFF);
+    }
+    return Listening{local_, io_port(), interface_ ? interface_->mask : 0};
+}
+
+// TCP and UDP at the same port.
+std::optional<ListenError> TargetStation::open_messages(const ListenOptions& options, std::uint32_t address) {
+    error_code error;
+    const tcp::endpoint endpoint(net::ip::address_v4(address), options.port);
+    for (int tries = options.port == 0 ? port_tries : 1; tries > 0; --tries) {
+        acceptor_.open(tcp::v4(), error);
+        if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+        if (!error) acceptor_.bind(endpoint, error);
+        if (!error) acceptor_.listen(tcp::acceptor::max_listen_connections, error);
+        if (error) return cannot_listen("TCP", {address, options.port}, error);
+        local_ = to_endpoint(acceptor_.local_endpoint());
+        error = unicast_.open(local_, false);
+        if (!error) return std::nullopt;
+        unicast_.close();
+        error_code ignored;
+        acceptor_.close(ignored);
+    }
+    return cannot_listen("UDP", local_, error);
+}
+
+// Taken alone, so that no other drive's data comes here by accident; shared afterwards, so that a scanner on this
+// machine may listen at all its addresses.
+std::optional<ListenError> TargetStation::open_io(const ListenOptions& options) {
+    const std::uint16_t wanted = options.io_port.value_or(options.port == 0 ? 0 : enip::io_port);
+    auto error = io_.open({local_.address, wanted}, false);
+    if (error == net::error::address_in_use && !options.io_port) {
+        error = io_.open({local_.address, 0}, false);
+        report(
+            fmt::format("UDP {} is in use by another program: I/O data is received at port {} instead, which only "
+                        "originators find that read the sockaddr item of the Forward_Open reply",
+                        to_string({local_.address, wanted}), io_port()));
+    }
+    if (error) return cannot_listen("UDP", {local_.address, wanted}, error);
+    error_code ignored;
+    io_.socket().set_option(net::ip::udp::socket::reuse_address(true), ignored);
+    return std::nullopt;
+}
+
+// A device that does not hear broadcasts still serves whoever knows its address.
+void TargetStation::open_broadcast(DatagramSocket& socket, std::uint32_t address) {
+    const Endpoint endpoint{address, local_.port};
+    if (const auto error = socket.open(endpoint, true)) {
+        report(fmt::format("broadcasts to {} are not heard: {}", to_string(endpoint), error.message()));
+        socket.close();
+    }
+}
+
+void TargetStation::start() {
+    net::co_spawn(shared_.context, accept(), net::detached);
+    net::co_spawn(shared_.context, datagrams(unicast_), net::detached);
+    if (directed_.socket().is_open()) net::co_spawn(shared_.context, datagrams(directed_), net::detached);
+    if (limited_.socket().is_open()) net::co_spawn(shared_.context, datagrams(limited_), net::detached);
+    net::co_spawn(shared_.context, io(), net::detached);
+    net::co_spawn(shared_.context, timer(), net::detached);
+}
+
+net::awaitable<void> TargetStation::accept() {
+    while (acceptor_.is_open()) {
+        auto [error, socket] = co_await acceptor_.async_accept(awaited);
+        if (error == net::error::operation_aborted) co_return;
+        if (error) {
+            report(fmt::format("a connection could not be accepted: {}", error.message()));
+            net::steady_timer pause(shared_.context, accept_pause);
+            co_await pause.async_wait(awaited);
+            continue;
+        }
+        net::co_spawn(shared_.context, serve(std::move(socket)), net::detached);
+    }
+}
+
+net::awaitable<void> TargetStation::serve(tcp::socket socket) {
+    error_code error;
+    socket.set_option(tcp::no_delay(true), error);
+    const auto peer = to_endpoint(socket.remote_endpoint(error));
+    const auto local = to_endpoint(socket.local_endpoint(error));
+    const auto id = target_.on_open(peer, local, clock_now());
+    if (!id) co_return;
+    sockets_[*id] = &socket;
+    after_event();  // others may have made room for this one
+    co_await exchange(socket, *id);
+    sockets_.erase(*id);
+    target_.on_closed(*id, clock_now());
+}
+
+// Replies to everything that one read brought leave in one write. While a peer does not take its replies, no more of
+// its requests are read, so that it holds one read and one batch of replies and nothing else.
+net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::ConnectionId id) {
+    std::array<std::uint8_t, read_buffer_octets> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    while (!stopped_) {
+        const auto [error, size] = co_await socket.async_read_some(net::buffer(buffer), awaited);
+        if (error) co_return;
+        cip::ByteView octets(buffer.data(), size);
+        while (!octets.empty()) {
+            octets = octets.subspan(target_.on_octets(id, octets, clock_now()));
+            const auto replies = target_.take_replies(id);
+            after_event();  // not later: the peer may take its time with the replies
+            if (!replies.empty()) {
+                const auto [failed, written] = co_await net::async_write(socket, net::buffer(replies), awaited);
+                if (failed) co_return;
+            } else if (!octets.empty()) {
+                co_await net::post(shared_.context,
+                                   awaited);  // there was nothing to write, and others have their turn too
+            }
+            if (target_.wants_close(id)) {
+                if (!stopped_) co_await farewell(socket, id);
+                co_return;
+            }
+        }
+    }
+}
+
+// Closing with octets unread would reset the connection and could take the last reply with it.
+net::awaitable<void> TargetStation::farewell(tcp::socket& socket, Target::ConnectionId id) {
+    error_code error;
+    socket.shutdown(tcp::socket::shutdown_send, error);
+    net::steady_timer limit(shared_.context, farewell_time);
+    // By its id, because the socket may be gone when the timer has fired already and could not be cancelled any more.
+    limit.async_wait([this, id](error_code cancelled) {
+        if (!cancelled) cut(id);
+    });
+    std::array<std::uint8_t, 4096> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    for (std::size_t total = 0; total < farewell_octets;) {
+        const auto [failed, size] = co_await socket.async_read_some(net::buffer(buffer), awaited);
+        if (failed) break;
+        total += size;
+    }
+    limit.cancel();
+}
+
+net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket) {
+    std::array<std::uint8_t, header_bytes + max_data_bytes> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    while (!stopped_) {
+        const auto [error] = co_await socket.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
+        if (error == net::error::operation_aborted) co_return;
+        for (int i = 0; i < datagrams_at_once; ++i) {
+            const auto datagram = socket.receive(buffer);
+            if (!datagram) break;
+            // 255.255.255.255 is heard from all interfaces; only the one that has our address is ours.
+            if (&socket == &limited_ && datagram->interface_index != interface_->index) continue;
+            auto local = datagram->local;
+            if (local_.address != 0) local.address = local_.address;
+            target_.on_datagram(datagram->peer, local, datagram->broadcast || &socket != &unicast_, datagram->octets,
+                                clock_now());
+        }
+        after_event();
+    }
+}
+
+net::awaitable<void> TargetStation::io() {
+    const std::function<void(const IoSocket::Received&)> take = [this](const IoSocket::Received& received) {
+        target_.on_io(received.peer, received.local, received.octets, clock_now());
+    };
+    while (!stopped_) {
+        const auto [error] = co_await io_.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
+        if (error == net::error::operation_aborted) co_return;
+        for (int i = 0; i < io_batches_at_once && io_.receive(take) == io_batch; ++i) {
+        }
+        after_event();
+    }
+}
+
+net::awaitable<void> TargetStation::timer() {
+    if (stopped_) co_return;
+    target_.on_timer(clock_now());
+    after_event();
+    while (!stopped_) {
+        timer_.expires_at(armed_.value_or(Time::max()));
+        static_cast<void>(co_await timer_.async_wait(awaited));
+        if (stopped_) co_return;
+        const auto next = target_.next_deadline();
+        const auto now = clock_now();
+        if (next && *next <= now) {
+            target_.on_timer(now);
+            flush();
+        }
+        armed_ = target_.next_deadline();
+    }
+}
+
+void TargetStation::after_event() {
+    auto next = target_.next_deadline();
+    // What is due by now does not wait for the timer's turn, which may come late when there are many requests.
+    if (next) {
+        const auto now = clock_now();
+        if (*next <= now) {
+            target_.on_timer(now);
+            next = target_.next_deadline();
+        }
+    }
+    flush();
+    // A deadline that moved later is noticed when the timer fires; only an earlier one needs a new start.
+    if (next && (!armed_ || *next < *armed_)) {
+        armed_ = next;
+        timer_.cancel();
+    }
+}
+
+void TargetStation::flush() {
+    if (!target_.io_queue().empty()) shared_.io_is_due(*this);
+    for (const auto& datagram : target_.take_datagrams()) unicast_.send(datagram);
+    close_expired();
+}
+
+void TargetStation::close_expired() {
+    for (const auto id : target_.take_expired()) cut(id);
+}
+
+// Whatever its coroutine waits for ends, and so does everything that it would wait for later.
+void TargetStation::cut(Target::ConnectionId id) {
+    const auto found = sockets_.find(id);
+    if (found == sockets_.end()) return;
+    error_code ignored;
+    found->second->shutdown(tcp::socket::shutdown_both, ignored);
+    found->second->cancel(ignored);
+}
+
+void TargetStation::shut_down() {
+    stopped_ = true;
+    error_code ignored;
+    acceptor_.close(ignored);
+    for (auto* socket : {&unicast_, &directed_, &limited_}) socket->close();
+    io_.close();
+    timer_.cancel();
+    close_expired();
+    for (auto& [id, socket] : sockets_) {
+        socket->shutdown(tcp::socket::shutdown_both, ignored);
+        socket->cancel(ignored);
+    }
+}
+
+}  // namespace servobus::enip::asio

@@ -1,0 +1,83 @@
+// One target at one address: its sockets, its TCP connections, its timer. A TargetServer has one or many.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/system/result.hpp>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "enip/asio/datagram_socket.hpp"
+#include "enip/asio/interfaces.hpp"
+#include "enip/asio/io_socket.hpp"
+#include "enip/asio/target_server.hpp"
+#include "enip/target.hpp"
+
+namespace servobus::enip::asio {
+
+class TargetStation {
+public:
+    /// What a station and the others on its thread share.
+    struct Shared {
+        boost::asio::io_context& context;
+        std::function<void(const std::string&)> problem;
+        /// The station's io_queue() has something to send.
+        std::function<void(TargetStation&)> io_is_due;
+    };
+
+    /// Both outlive the station.
+    TargetStation(Target& target, const Shared& shared);
+
+    [[nodiscard]] boost::system::result<Listening, ListenError> listen(const ListenOptions& options);
+    /// Serves from now on, once the context runs.
+    void start();
+    /// Closes everything; its coroutines end.
+    void shut_down();
+    /// Something has happened to the target: what it has to say leaves, and the timer is set again.
+    void after_event();
+
+    [[nodiscard]] Target& target() { return target_; }
+    [[nodiscard]] IoSocket& io_socket() { return io_; }
+    [[nodiscard]] std::uint16_t io_port() const { return io_.local().port; }
+
+private:
+    [[nodiscard]] std::optional<ListenError> open_messages(const ListenOptions& options, std::uint32_t address);
+    [[nodiscard]] std::optional<ListenError> open_io(const ListenOptions& options);
+    void open_broadcast(DatagramSocket& socket, std::uint32_t address);
+    void report(const std::string& line) const {
+        if (shared_.problem) shared_.problem(line);
+    }
+
+    boost::asio::awaitable<void> accept();
+    boost::asio::awaitable<void> serve(boost::asio::ip::tcp::socket socket);
+    boost::asio::awaitable<void> exchange(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
+    boost::asio::awaitable<void> farewell(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
+    boost::asio::awaitable<void> datagrams(DatagramSocket& socket);
+    boost::asio::awaitable<void> io();
+    boost::asio::awaitable<void> timer();
+
+    void flush();
+    void close_expired();
+    void cut(Target::ConnectionId id);
+
+    Target& target_;
+    const Shared& shared_;
+    boost::asio::ip::tcp::acceptor acceptor_;
+    DatagramSocket unicast_;
+    DatagramSocket directed_;  ///< the subnet's broadcast, which a socket bound to one address does not hear
+    DatagramSocket limited_;   ///< 255.255.255.255
+    IoSocket io_;
+    boost::asio::steady_timer timer_;
+    Endpoint local_;
+    std::optional<Interface> interface_;
+    std::map<Target::ConnectionId, boost::asio::ip::tcp::socket*> sockets_;
+    std::optional<Time> armed_;
+    bool stopped_ = false;
+};
+
+}  // namespace servobus::enip::asio
