@@ -5,6 +5,7 @@
 #include <atomic>
 #include <deque>
 #include <map>
+#include <mutex>
 #include <random>
 
 #include "cip/object.hpp"
@@ -44,13 +45,22 @@ cip::Request routed(const cip::Request& request, const cip::Path& route, millise
     return {cip::service::unconnected_send, cip::Path::to(cip::class_id::connection_manager, 1), send.encode()};
 }
 
-/// The octets of a CIP response in a SendRRData reply; whatever items surround them do not matter (R-SCN-6).
-boost::system::result<cip::Bytes> unconnected_reply(cip::ByteView data) {
-    const auto message = enip::SendData::parse(data);
+struct UnconnectedReply {
+    cip::Bytes message;
+    std::vector<enip::Item> items;  ///< those beside it
+};
+
+/// The octets of a CIP response in a SendRRData reply; in which order the items come does not matter (R-SCN-6).
+boost::system::result<UnconnectedReply> unconnected_reply(cip::ByteView data) {
+    auto message = enip::SendData::parse(data);
     if (!message) return make_error_code(Error::malformed_packet);
     const auto* item = message->packet.find(enip::ItemType::unconnected_data);
     if (item == nullptr) return make_error_code(Error::malformed_packet);
-    return item->data;
+    UnconnectedReply reply{item->data, std::move(message->packet.items)};
+    std::erase_if(reply.items, [](const enip::Item& each) {
+        return each.type == enip::ItemType::unconnected_data || each.type == enip::ItemType::null_address;
+    });
+    return reply;
 }
 
 struct ConnectedReply {
@@ -106,8 +116,15 @@ public:
     void connect(std::uint64_t id, const std::string& host, std::uint16_t port, ConnectDone done);
     void open_connection(std::uint64_t id, CallDone done);
     void call(std::uint64_t id, const cip::Request& request, CallOptions call_options, CallDone done);
+    void exchange(std::uint64_t id, const cip::Request& request, std::vector<enip::Item> items,
+                  std::shared_ptr<std::vector<enip::Item>> reply_items, CallOptions call_options, CallDone done);
+    void keep_alive();
     void close(ConnectDone done);
     void abandon();
+    [[nodiscard]] std::optional<TcpEnds> ends() const {
+        const std::lock_guard lock(ends_mutex_);
+        return ends_;
+    }
 
 private:
     enum class State : std::uint8_t { idle, connecting, registering, ready, registering_again, closing };
@@ -121,6 +138,8 @@ private:
         bool connected = false;  ///< takes the class 3 connection
         bool retried = false;    ///< has been sent in a session that the device did not know
         cip::Bytes message;
+        std::vector<enip::Item> items{};                         ///< that go beside it
+        std::shared_ptr<std::vector<enip::Item>> reply_items{};  ///< where those of the reply go
         CallDone done;
         net::steady_timer timer;
         std::uint64_t strays = 0;  ///< what stray_replies_ was when it was sent
@@ -157,6 +176,11 @@ private:
     void on_connected_reply(const enip::Frame& frame, bool oversize);
     void answer(const CallPtr& call, cip::ByteView message);
 
+    void note_ends(const std::optional<TcpEnds>& ends) {
+        const std::lock_guard lock(ends_mutex_);
+        ends_ = ends;
+    }
+
     [[nodiscard]] enip::SenderContext context_of(std::uint64_t id) const;
     [[nodiscard]] std::optional<std::uint64_t> operation_of(const enip::SenderContext& context) const;
 
@@ -177,6 +201,9 @@ private:
     std::optional<Class3Connection> class3_;
     bool opening_class3_ = false;
     std::uint64_t stray_replies_ = 0;
+
+    mutable std::mutex ends_mutex_;  ///< the one thing that is asked for from any thread
+    std::optional<TcpEnds> ends_;
 };
 
 // ------------------------------------------------------------------------------------------------------ session
@@ -248,6 +275,7 @@ void Client::Impl::on_register_reply(const enip::Frame& frame) {
     if (!refused && frame.session != 0) {
         session_ = frame.session;
         state_ = State::ready;
+        note_ends(TcpEnds{stream_->local(), stream_->remote()});
         if (!again) end_setup({});
         pump();
         return;
@@ -278,6 +306,7 @@ void Client::Impl::end_setup(error_code error) {
 void Client::Impl::lose_connection(error_code error) {
     state_ = State::idle;
     session_ = 0;
+    note_ends(std::nullopt);
     class3_.reset();
     if (stream_) stream_->close();
     end_setup(error);
@@ -356,6 +385,31 @@ void Client::Impl::call(std::uint64_t id, const cip::Request& request, CallOptio
     submit(call, timeout);
 }
 
+void Client::Impl::exchange(std::uint64_t id, const cip::Request& request, std::vector<enip::Item> items,
+                            std::shared_ptr<std::vector<enip::Item>> reply_items, CallOptions call_options,
+                            CallDone done) {
+    if (state_ != State::ready && state_ != State::registering_again) {
+        done(make_error_code(Error::not_connected), {});
+        return;
+    }
+    if (request.path.words() > cip::max_path_words) {
+        done(make_error_code(Error::request_too_large), {});
+        return;
+    }
+    const auto call = prepare(id, request, std::move(done));
+    if (!call) return;
+    call->items = std::move(items);
+    call->reply_items = std::move(reply_items);
+    submit(call, call_options.timeout.value_or(options.timeout));
+}
+
+void Client::Impl::keep_alive() {
+    if (state_ != State::ready) return;
+    enip::Frame frame;
+    frame.command = enip::Command::nop;
+    stream_->send(frame);
+}
+
 /// Nullptr, and `done` called, when the request cannot be sent.
 Client::Impl::CallPtr Client::Impl::prepare(std::uint64_t id, const cip::Request& request, CallDone done) {
     auto call = std::make_shared<Call>(strand, id);
@@ -400,7 +454,9 @@ void Client::Impl::transmit(Call& call) {
     } else {
         frame.command = enip::Command::send_rr_data;
         frame.context = context_of(call.id);
-        frame.data = enip::SendData::unconnected(call.message).encode();
+        auto data = enip::SendData::unconnected(call.message);
+        data.packet.items.insert(data.packet.items.end(), call.items.begin(), call.items.end());
+        frame.data = data.encode();
     }
     call.strays = stray_replies_;
     stream_->send(frame);
@@ -566,10 +622,11 @@ void Client::Impl::on_unconnected_reply(const enip::Frame& frame, bool oversize)
         finish(call, make_error_code(frame.status));
     } else if (oversize) {
         finish(call, make_error_code(Error::oversize_reply));
-    } else if (const auto message = unconnected_reply(frame.data)) {
-        answer(call, *message);
+    } else if (auto reply = unconnected_reply(frame.data)) {
+        if (call->reply_items) *call->reply_items = std::move(reply->items);
+        answer(call, reply->message);
     } else {
-        finish(call, message.error());
+        finish(call, reply.error());
     }
 }
 
@@ -647,6 +704,26 @@ void Client::start_call(const Shared& impl, cip::Request request, CallOptions op
     net::dispatch(impl->strand, [impl, id, request = std::move(request), options, done = std::move(done)]() mutable {
         impl->call(id, request, options, std::move(done));
     });
+}
+
+void Client::start_exchange(const Shared& impl, cip::Request request, std::vector<enip::Item> items,
+                            CallOptions options, ExchangeDone done) {
+    const auto id = impl->begin(done);
+    const auto shared = std::make_shared<ExchangeDone>(std::move(done));
+    const auto beside = std::make_shared<std::vector<enip::Item>>();
+    const auto then = [shared, beside](error_code error, cip::Response response) {
+        (*shared)(error, {std::move(response), std::move(*beside)});
+    };
+    net::dispatch(impl->strand, [impl, id, request = std::move(request), items = std::move(items), beside, options,
+                                 done = CallDone(then, impl->strand)]() mutable {
+        impl->exchange(id, request, std::move(items), std::move(beside), options, std::move(done));
+    });
+}
+
+std::optional<TcpEnds> Client::ends() const { return impl_->ends(); }
+
+void Client::keep_alive() {
+    net::dispatch(impl_->strand, [impl = impl_] { impl->keep_alive(); });
 }
 
 void Client::start_read(const Shared& impl, const drive::Parameter& row, ReadDone done) {

@@ -8,13 +8,16 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cip/message.hpp"
 #include "cip/path.hpp"
 #include "drive/parameter.hpp"
 #include "drive/store.hpp"
 #include "enip/asio/completion.hpp"
+#include "enip/common_packet.hpp"
 #include "enip/encapsulation.hpp"
+#include "enip/endpoint.hpp"
 #include "scanner/error.hpp"
 #include "scanner/reading.hpp"
 
@@ -43,6 +46,18 @@ struct ClientOptions {
 struct CallOptions {
     /// Instead of ClientOptions::timeout.
     std::optional<std::chrono::milliseconds> timeout{};
+};
+
+/// A response, and the items that came beside it (R-CPF-8).
+struct Exchange {
+    cip::Response response{};
+    std::vector<enip::Item> items{};
+};
+
+/// Both ends of a TCP connection; zeros when it is not over IPv4.
+struct TcpEnds {
+    enip::Endpoint local;
+    enip::Endpoint remote;
 };
 
 /// A client for any EtherNet/IP adapter. Every operation takes a completion token (a callback, use_future,
@@ -97,6 +112,24 @@ public:
         return async_call(std::move(request), CallOptions{}, std::forward<Token>(token));
     }
 
+    /// As async_call, never over the class 3 connection and never in an Unconnected_Send: a request to the device at
+    /// the other end of the TCP connection, with `items` behind it. Completes with void(error_code, Exchange).
+    template <class Token>
+    auto async_exchange(cip::Request request, std::vector<enip::Item> items, CallOptions options, Token&& token) {
+        return enip::asio::initiate<void(error_code, Exchange)>(
+            get_executor(),
+            [impl = impl_, request = std::move(request), items = std::move(items), options](ExchangeDone done) mutable {
+                start_exchange(impl, std::move(request), std::move(items), options, std::move(done));
+            },
+            std::forward<Token>(token));
+    }
+
+    /// Nullopt when there is no session, or no more.
+    [[nodiscard]] std::optional<TcpEnds> ends() const;
+
+    /// Sends a NOP, which nobody answers: it keeps the device from closing an idle session (R-ENC-24).
+    void keep_alive();
+
     /// Reads a parameter. Completes with void(error_code, ReadOutcome). The row must outlive the operation.
     template <class Token>
     auto async_read(const drive::Parameter& row, Token&& token) {
@@ -131,12 +164,15 @@ private:
     using Shared = std::shared_ptr<Impl>;
     using ConnectDone = enip::asio::Completion<void(error_code)>;
     using CallDone = enip::asio::Completion<void(error_code, cip::Response)>;
+    using ExchangeDone = enip::asio::Completion<void(error_code, Exchange)>;
     using ReadDone = enip::asio::Completion<void(error_code, ReadOutcome)>;
     using WriteDone = enip::asio::Completion<void(error_code, cip::Status)>;
 
     static void start_connect(const Shared& impl, std::string host, std::uint16_t port, ConnectDone done);
     static void start_open_connection(const Shared& impl, CallDone done);
     static void start_call(const Shared& impl, cip::Request request, CallOptions options, CallDone done);
+    static void start_exchange(const Shared& impl, cip::Request request, std::vector<enip::Item> items,
+                               CallOptions options, ExchangeDone done);
     static void start_read(const Shared& impl, const drive::Parameter& row, ReadDone done);
     static void start_write(const Shared& impl, const drive::Parameter& row, const drive::Value& value, WriteDone done);
     static void start_close(const Shared& impl, ConnectDone done);

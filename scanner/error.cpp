@@ -40,6 +40,12 @@ const char* text(Error error) {
             return "the value in the reply is shorter than its type";
         case Error::unexpected_data:
             return "the data in the reply does not have the shape that its service gives it";
+        case Error::wrong_connection:
+            return "the reply is about another connection than the one asked for";
+        case Error::bad_interval:
+            return "the device grants a packet interval that cannot be kept";
+        case Error::bad_socket_address:
+            return "the reply does not say properly where the data goes (sockaddr item)";
     }
     return "unknown error";
 }
@@ -96,6 +102,9 @@ Trouble trouble_of(Error error) {
         case Error::wrong_service:
         case Error::missing_data:
         case Error::unexpected_data:
+        case Error::wrong_connection:
+        case Error::bad_interval:
+        case Error::bad_socket_address:
             return Trouble::nonsense;
     }
     return Trouble::nonsense;

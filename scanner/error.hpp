@@ -28,6 +28,9 @@ enum class Error : std::uint8_t {
     wrong_service,       ///< a reply to another CIP service
     missing_data,        ///< the value is shorter than its type
     unexpected_data,     ///< the data of a reply does not have the shape that the service gives it
+    wrong_connection,    ///< a reply about another I/O connection
+    bad_interval,        ///< a packet interval is granted that nobody can keep
+    bad_socket_address,  ///< a sockaddr item is malformed, or missing where multicast needs it (R-CPF-9)
 };
 
 [[nodiscard]] error_code make_error_code(Error error);

@@ -44,6 +44,11 @@ struct IoPlan {
     bool redundant_owner = false;
     bool large = false;  ///< Large_Forward_Open; also taken when a size needs it
 
+    [[nodiscard]] bool needs_large() const;
+    /// Both directions null: asks or configures, and opens nothing (R-CON-23).
+    [[nodiscard]] bool is_null() const {
+        return o_to_t.type == cip::ConnectionType::null && t_to_o.type == cip::ConnectionType::null;
+    }
     /// `[route] [key] [43 pit] 20 04 [24 cfg] 2C o2t 2C t2o [80 words data]` (R-CON-10).
     [[nodiscard]] cip::Path path() const;
     /// The request; the ids and the triad are the originator's to choose.

@@ -29,6 +29,11 @@ bool is_command(cip::ByteView octets) {
     return false;
 }
 
+Endpoint to_endpoint(const net::ip::tcp::endpoint& native) {
+    if (!native.address().is_v4()) return {};
+    return {native.address().to_v4().to_uint(), native.port()};
+}
+
 }  // namespace
 
 std::shared_ptr<ClientStream> ClientStream::create(const net::any_io_executor& executor) {
@@ -102,6 +107,16 @@ void ClientStream::send(const Frame& frame) {
     if (!open_) return;
     frame.write(outgoing_);
     write();
+}
+
+Endpoint ClientStream::local() const {
+    error_code ignored;
+    return to_endpoint(socket_.local_endpoint(ignored));
+}
+
+Endpoint ClientStream::remote() const {
+    error_code ignored;
+    return to_endpoint(socket_.remote_endpoint(ignored));
 }
 
 void ClientStream::finish(std::function<void()> done) {

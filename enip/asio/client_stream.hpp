@@ -9,6 +9,7 @@
 
 #include "cip/bytes.hpp"
 #include "enip/asio/asio.hpp"
+#include "enip/endpoint.hpp"
 #include "enip/frame_decoder.hpp"
 
 namespace servobus::enip::asio {
@@ -33,6 +34,10 @@ public:
     void connect(const std::string& host, std::uint16_t port, Events events, Connected connected);
 
     void send(const Frame& frame);
+
+    /// Both ends of the TCP connection; zeros when there is none, or none over IPv4.
+    [[nodiscard]] Endpoint local() const;
+    [[nodiscard]] Endpoint remote() const;
 
     /// Closes when everything is sent, and calls `done`.
     void finish(std::function<void()> done);
