@@ -361,8 +361,9 @@ void IoConnections::take(IoConnection& connection, const enip::IoPacket& packet,
 
 void IoConnections::on_timer(enip::Time now, enip::IoQueue& queue, std::uint16_t& timed_out) {
     for (const auto& production : productions_) {
-        if (production->producer.deadline() > now) continue;
-        production->producer.produce(drive_.inputs(*production->layout, now), true, now, queue);
+        while (production->producer.deadline() <= now) {
+            production->producer.produce(drive_.inputs(*production->layout, now), true, now, queue);
+        }
     }
     const auto over = [&](const std::unique_ptr<IoConnection>& each) { return each->consumer.deadline() <= now; };
     for (auto found = std::ranges::find_if(connections_, over); found != connections_.end();

@@ -12,6 +12,9 @@ using std::chrono::microseconds;
 /// Deadlines of different connections fall on multiples of this.
 constexpr microseconds production_grid{250};
 
+/// Intervals that a producer makes up for when it comes late.
+constexpr int most_intervals_late = 16;
+
 bool is_newer(std::uint32_t sequence, std::uint32_t last) { return static_cast<std::int32_t>(sequence - last) > 0; }
 
 std::span<std::uint8_t> put(std::span<std::uint8_t> octets, std::uint32_t value, std::size_t size) {
@@ -97,15 +100,16 @@ void IoProducer::produce(cip::ByteView data, bool run, Time now, IoQueue& queue)
     advance(now);
 }
 
-// From the previous deadline, so that the rate is kept (decision 3). Intervals that have passed are left out: a burst
-// would help nobody. A datagram that a change has sent starts a new interval.
+// From the previous deadline, so that the rate is kept (decision 3): who comes late sends what was missed at once. After
+// a longer pause that would be a burst that helps nobody, so those intervals are left out. A datagram that a change has
+// sent starts a new interval.
 void IoProducer::advance(Time now) {
     if (now < deadline_) {
         deadline_ = now + settings_.interval;
         return;
     }
     deadline_ += settings_.interval;
-    if (deadline_ > now) return;
+    if (now - deadline_ < most_intervals_late * settings_.interval) return;
     const auto passed = (now - deadline_) / settings_.interval + 1;
     counters_.skipped += static_cast<std::uint64_t>(passed);
     deadline_ += passed * settings_.interval;

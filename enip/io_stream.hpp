@@ -96,7 +96,7 @@ public:
     };
     struct Counters {
         std::uint64_t sent = 0;
-        std::uint64_t skipped = 0;  ///< intervals whose time had passed before anybody came to send
+        std::uint64_t skipped = 0;  ///< intervals that had passed too long ago when somebody came to send
     };
 
     IoProducer() = default;

@@ -30,6 +30,9 @@ constexpr std::size_t read_buffer_octets = std::size_t{16} * 1024;
 constexpr int datagrams_at_once = 64;
 /// The same of class 0 and 1, in batches.
 constexpr int io_batches_at_once = 4;
+/// A timer that comes later than this looks first for what has come in time and waits in the kernel: a process that was
+/// held up is no reason to end a connection.
+constexpr auto late = 500us;
 /// What a peer may still send after its last reply, and how long it may take, before its connection is cut.
 constexpr std::size_t farewell_octets = std::size_t{64} * 1024;
 constexpr auto farewell_time = 500ms;
@@ -232,15 +235,16 @@ net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket) {
 }
 
 net::awaitable<void> TargetStation::io() {
-    const std::function<void(const IoSocket::Received&)> take = [this](const IoSocket::Received& received) {
-        target_.on_io(received.peer, received.local, received.octets, clock_now());
-    };
     while (!stopped_) {
         const auto [error] = co_await io_.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
         if (error == net::error::operation_aborted) co_return;
-        for (int i = 0; i < io_batches_at_once && io_.receive(take) == io_batch; ++i) {
-        }
+        receive_io();
         after_event();
+    }
+}
+
+void TargetStation::receive_io() {
+    for (int i = 0; i < io_batches_at_once && io_.receive(take_io_) == io_batch; ++i) {
     }
 }
 
@@ -255,7 +259,8 @@ net::awaitable<void> TargetStation::timer() {
         const auto next = target_.next_deadline();
         const auto now = clock_now();
         if (next && *next <= now) {
-            target_.on_timer(now);
+            if (now - *next > late) receive_io();
+            target_.on_timer(clock_now());
             flush();
         }
         armed_ = target_.next_deadline();

@@ -61,12 +61,16 @@ private:
     boost::asio::awaitable<void> io();
     boost::asio::awaitable<void> timer();
 
+    void receive_io();
     void flush();
     void close_expired();
     void cut(Target::ConnectionId id);
 
     Target& target_;
     const Shared& shared_;
+    const std::function<void(const IoSocket::Received&)> take_io_ = [this](const IoSocket::Received& received) {
+        target_.on_io(received.peer, received.local, received.octets, std::chrono::steady_clock::now());
+    };
     boost::asio::ip::tcp::acceptor acceptor_;
     DatagramSocket unicast_;
     DatagramSocket directed_;  ///< the subnet's broadcast, which a socket bound to one address does not hear
