@@ -7,44 +7,17 @@ which must still be well formed.
 
 import json
 import os
-import signal
 import socket
 import struct
-import subprocess
-import sys
 import tempfile
-import time
-from contextlib import contextmanager
 from pathlib import Path
 
-from judge import HERE, PORT, check, own_address, run, running_drive, scanner
+from judge import HERE, PORT, captured, check, enter_own_network, own_address, run, running_drive, scanner
 
 MALFORMED = "_ws.malformed"
 WARNING = "_ws.expert.severity >= 0x600000"
 # nmap hangs up with a reset, which tshark warns of. A reset that the drive sends counts.
 CLIENT_RESET = "(tcp.flags.reset == 1 and tcp.dstport == 44818)"
-
-
-@contextmanager
-def captured(address, file):
-    """Captures what goes to and from one loopback address."""
-    dumpcap = subprocess.Popen(["dumpcap", "-q", "-i", "lo", "-f", f"host {address}", "-w", file],
-                               stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    try:
-        said = []
-        while not (said and said[-1].startswith("File:")):
-            line = dumpcap.stderr.readline()
-            check(line, "the loopback interface cannot be captured; it takes root, or a kernel that grants "
-                        "network namespaces to everybody:\n" + "".join(said))
-            said.append(line)
-        time.sleep(0.5)
-        yield
-        time.sleep(0.5)
-    finally:
-        dumpcap.send_signal(signal.SIGINT)
-        summary = dumpcap.communicate(timeout=10)[1]
-    print(summary)
-    check("dropped" not in summary or "(pcap:0/" in summary, "the capture dropped packets")
 
 
 def frames(file, display_filter):
@@ -112,8 +85,7 @@ def be_refused(address):
 
 if os.geteuid() != 0:
     # Nobody but root may capture this machine's loopback, but everybody may capture the one of a network of their own.
-    os.execvp("unshare", ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh",
-                          sys.executable, "-B", *sys.argv])
+    enter_own_network()
 
 address = own_address()
 with tempfile.TemporaryDirectory() as directory:
@@ -121,9 +93,9 @@ with tempfile.TemporaryDirectory() as directory:
 
     good, refusals = Path(directory, "good.pcapng"), Path(directory, "refusals.pcapng")
     with running_drive(address, "--variant", "75v8s"):
-        with captured(address, good):
+        with captured(f"host {address}", good):
             talk(address)
-        with captured(address, refusals):
+        with captured(f"host {address}", refusals):
             be_refused(address)
 
     for file, minimum in ((good, 60), (refusals, 150)):

@@ -25,21 +25,28 @@ def check(condition, sentence):
         sys.exit(f"FAILED: {sentence}")
 
 
-def run(*command, expect=0):
+def enter_own_network():
+    """Starts this judge again in a network that nobody else is in, where it owns every port and may capture."""
+    rights = [] if os.geteuid() == 0 else ["--map-root-user"]
+    os.execvp("unshare", ["unshare", *rights, "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh",
+                          sys.executable, "-B", *sys.argv])
+
+
+def run(*command, expect=0, quiet=False, timeout=40):
     """Runs a program that must exit with `expect`, shows what it printed, and returns its standard output."""
     print("$", *command, flush=True)
     try:
-        done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=40,
+        done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=timeout,
                               stdin=subprocess.DEVNULL)
     except FileNotFoundError:
         sys.exit(f"FAILED: {command[0]} is not there; scripts/test installs and builds what the judges need")
-    print(done.stdout, done.stderr, sep="", flush=True)
+    print("" if quiet else done.stdout, done.stderr, sep="", flush=True)
     check(done.returncode == expect, f"{command[0]} ended with {done.returncode} and not with {expect}")
     return done.stdout
 
 
-def scanner(*words, expect=0):
-    return run(BIN / "servobus-scanner", *words, expect=expect)
+def scanner(*words, **how):
+    return run(BIN / "servobus-scanner", *words, **how)
 
 
 def answers(address):
@@ -48,6 +55,28 @@ def answers(address):
         return True
     except OSError:
         return False
+
+
+@contextmanager
+def captured(capture_filter, file):
+    """Captures what of the loopback interface the filter of dumpcap selects."""
+    dumpcap = subprocess.Popen(["dumpcap", "-q", "-B", "64", "-i", "lo", "-f", capture_filter, "-w", file],
+                               stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    try:
+        said = []
+        while not (said and said[-1].startswith("File:")):
+            line = dumpcap.stderr.readline()
+            check(line, "the loopback interface cannot be captured; it takes root, or a kernel that grants "
+                        "network namespaces to everybody:\n" + "".join(said))
+            said.append(line)
+        time.sleep(0.5)
+        yield
+        time.sleep(0.5)
+    finally:
+        dumpcap.send_signal(signal.SIGINT)
+        summary = dumpcap.communicate(timeout=10)[1]
+    print(summary)
+    check("dropped" not in summary or "(pcap:0/" in summary, "the capture dropped packets")
 
 
 @contextmanager

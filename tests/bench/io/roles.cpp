@@ -1,0 +1,211 @@
+#include "tests/bench/io/roles.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+
+#include "enip/encapsulation.hpp"
+#include "tests/bench/io/explicit_client.hpp"
+#include "tests/bench/io/image.hpp"
+#include "tests/bench/io/originator_role.hpp"
+#include "tests/bench/io/sockets.hpp"
+
+namespace servobus::bench {
+namespace {
+
+volatile sig_atomic_t stopped = 0;
+
+// Without SA_RESTART: whatever waits returns.
+void stop_at_sigterm() {
+    struct sigaction action {};
+    action.sa_handler = [](int) { stopped = 1; };
+    ::sigaction(SIGTERM, &action, nullptr);
+}
+
+void say(const std::string& line) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+}
+
+int spin() {
+    say("ready");
+    while (stopped == 0) continue;
+    return 0;
+}
+
+struct Pacing {
+    Descriptor socket;
+    sockaddr_in peer;
+    Nanoseconds interval;
+};
+
+Pacing pacing(const std::vector<std::string>& words) {
+    // A sleep may end 50 us late unless one says otherwise; a floor must not owe its height to that.
+    ::prctl(PR_SET_TIMERSLACK, 1);
+    Pacing result{udp_socket(parse_endpoint(words.at(1))), to_sockaddr(parse_endpoint(words.at(2))),
+                  std::stoll(words.at(3)) * 1000};
+    say(std::to_string(local_endpoint(result.socket).port));
+    return result;
+}
+
+template <std::size_t Octets>
+void send_to(const Pacing& to, const std::array<std::uint8_t, Octets>& octets) {
+    ::sendto(to.socket.number(), octets.data(), octets.size(), 0, reinterpret_cast<const sockaddr*>(&to.peer),
+             sizeof to.peer);
+}
+
+int sender(const std::vector<std::string>& words) {
+    const auto to = pacing(words);
+    const auto connection = static_cast<std::uint32_t>(std::stoul(words.at(4)));
+    std::uint32_t sequence = 0;
+    for (auto next = monotonic() + to.interval; stopped == 0; next += to.interval) {
+        if (!sleep_until(next)) continue;
+        send_to(to, t_to_o(connection, ++sequence, 0));
+    }
+    return 0;
+}
+
+int paced_echo(const std::vector<std::string>& words) {
+    const auto to = pacing(words);
+    std::array<std::uint8_t, o_to_t_octets> last{};
+    std::uint32_t sequence = 0;
+    for (auto next = monotonic() + to.interval; stopped == 0; next += to.interval) {
+        if (!sleep_until(next)) continue;
+        while (::recv(to.socket.number(), last.data(), last.size(), MSG_DONTWAIT) > 0) continue;
+        send_to(to, t_to_o(0, ++sequence, get32(last, outputs_in_o_to_t)));
+    }
+    return 0;
+}
+
+int udp_echo(const std::vector<std::string>& words) {
+    const auto socket = udp_socket(parse_endpoint(words.at(1)));
+    say(std::to_string(local_endpoint(socket).port));
+    std::array<std::uint8_t, 2048> octets{};
+    while (stopped == 0) {
+        sockaddr_in peer{};
+        socklen_t size = sizeof peer;
+        const auto got =
+            ::recvfrom(socket.number(), octets.data(), octets.size(), 0, reinterpret_cast<sockaddr*>(&peer), &size);
+        if (got < 0) continue;
+        ::sendto(socket.number(), octets.data(), static_cast<std::size_t>(got), 0,
+                 reinterpret_cast<const sockaddr*>(&peer), size);
+    }
+    return 0;
+}
+
+int tcp_echo(const std::vector<std::string>& words) {
+    const auto listener = tcp_listener(parse_endpoint(words.at(1)));
+    say(std::to_string(local_endpoint(listener).port));
+    std::array<std::uint8_t, 65536> octets{};
+    while (stopped == 0) {
+        const auto peer = tcp_accept(listener);
+        if (peer.number() < 0) continue;
+        for (ssize_t got = 0; (got = ::recv(peer.number(), octets.data(), octets.size(), 0)) > 0;) {
+            send_all(peer, std::span(octets).first(static_cast<std::size_t>(got)));
+        }
+    }
+    return 0;
+}
+
+int udp_sink(const std::vector<std::string>& words) {
+    const auto socket = udp_socket(parse_endpoint(words.at(1)));
+    say(std::to_string(local_endpoint(socket).port));
+    std::array<std::array<std::uint8_t, 512>, 32> rooms{};
+    while (stopped == 0) {
+        std::array<iovec, rooms.size()> places;
+        std::array<mmsghdr, rooms.size()> messages{};
+        for (std::size_t i = 0; i < rooms.size(); ++i) {
+            places[i] = {rooms[i].data(), rooms[i].size()};
+            messages[i].msg_hdr.msg_iov = &places[i];
+            messages[i].msg_hdr.msg_iovlen = 1;
+        }
+        ::recvmmsg(socket.number(), messages.data(), rooms.size(), MSG_WAITFORONE, nullptr);
+    }
+    return 0;
+}
+
+/// Requests that go out at their times, whether or not those before are answered, up to a window.
+class Load {
+public:
+    Load(enip::Endpoint peer, double rate, std::size_t attributes)
+        : client_(peer), attributes_(attributes), requests_per_ns_(rate / static_cast<double>(attributes) / 1e9) {
+        const auto request = read_positions(attributes);
+        if (!client_.call(request).status.ok()) give_up("the load's request is refused");
+        frame_ = client_.frame(request);
+        reply_octets_ = client_.exchange(frame_).size();  // The value has a fixed size, and so have all replies.
+    }
+
+    void run() {
+        const auto begin = monotonic();
+        for (auto next = begin; stopped == 0; next += tick) {
+            sleep_until(next);
+            const auto now = monotonic();
+            send(static_cast<std::uint64_t>(static_cast<double>(now - begin) * requests_per_ns_));
+            receive();
+        }
+        say(fmt::format(R"({{"rate": {:.0f}}})", static_cast<double>(received_ / reply_octets_ * attributes_) /
+                                                     (static_cast<double>(monotonic() - begin) / 1e9)));
+    }
+
+private:
+    static constexpr Nanoseconds tick = second / 1000;
+    static constexpr std::uint64_t window = 512;
+
+    void send(std::uint64_t due) {
+        out_.clear();
+        const auto answered = received_ / reply_octets_;
+        // What cannot be asked in time is left out: the rate that is reached says so.
+        for (; asked_ < due && asked_ - answered < window; ++asked_)
+            out_.insert(out_.end(), frame_.begin(), frame_.end());
+        send_all(client_.socket(), out_);
+    }
+    void receive() {
+        while (true) {
+            const auto got = ::recv(client_.socket().number(), in_.data(), in_.size(), MSG_DONTWAIT);
+            if (got == 0) give_up("the load's session was closed");
+            if (got < 0) return;
+            received_ += static_cast<std::uint64_t>(got);
+        }
+    }
+
+    ExplicitClient client_;
+    std::size_t attributes_;
+    double requests_per_ns_;
+    cip::Bytes frame_;
+    std::uint64_t reply_octets_ = 0;
+    std::uint64_t asked_ = 0;
+    std::uint64_t received_ = 0;
+    cip::Bytes out_;
+    std::array<std::uint8_t, 65536> in_{};
+};
+
+int load(const std::vector<std::string>& words) {
+    Load load({parse_address(words.at(1)), enip::tcp_port}, std::stod(words.at(2)), std::stoul(words.at(3)));
+    say("ready");
+    load.run();
+    return 0;
+}
+
+}  // namespace
+
+int play(const std::vector<std::string>& words) {
+    stop_at_sigterm();
+    const auto& role = words.at(0);
+    if (role == "spin") return spin();
+    if (role == "sender") return sender(words);
+    if (role == "paced-echo") return paced_echo(words);
+    if (role == "udp-echo") return udp_echo(words);
+    if (role == "tcp-echo") return tcp_echo(words);
+    if (role == "udp-sink") return udp_sink(words);
+    if (role == "load") return load(words);
+    if (role == "originator") return originator_role(words);
+    give_up("there is no role " + role);
+}
+
+}  // namespace servobus::bench
