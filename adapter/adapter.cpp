@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <set>
 #include <utility>
 
@@ -26,6 +27,11 @@ using enip::Frame;
 // The reply to a Reset is on its way before the connections go (R-ID-8).
 constexpr std::chrono::milliseconds reset_pause{100};
 
+// Octets of one TCP connection that come while nothing is answered; one that sends more is closed.
+constexpr std::size_t held_octets = std::size_t{16} * 1024;
+// Replies of one TCP connection that are late on purpose; more are not sent.
+constexpr std::size_t late_replies = 1024;
+
 bool is_list(Command command) {
     return command == Command::list_services || command == Command::list_identity ||
            command == Command::list_interfaces;
@@ -42,9 +48,11 @@ std::chrono::milliseconds maximum_delay(const enip::SenderContext& context) {
 // The drive counts whole microseconds on the same clock.
 drive::Time to_drive(enip::Time now) { return std::chrono::floor<drive::Time>(now.time_since_epoch()); }
 
+enip::Time to_server(drive::Time time) { return enip::Time(std::chrono::duration_cast<enip::Time::duration>(time)); }
+
 std::optional<enip::Time> to_server(std::optional<drive::Time> time) {
     if (!time) return std::nullopt;
-    return enip::Time(std::chrono::duration_cast<enip::Time::duration>(*time));
+    return to_server(*time);
 }
 
 // What stands behind the message in a SendRRData (R-CPF-8). Most have nothing there.
@@ -75,8 +83,14 @@ struct Adapter::Connection {
     bool closing = false;
     bool expired = false;
     enip::FrameDecoder decoder;
-    enip::Time last_message{};
+    enip::Time last_message{};  ///< on the bus' time
     cip::Bytes replies;
+    struct LateReply {
+        enip::Time due;
+        cip::Bytes octets;
+    };
+    std::deque<LateReply> late;
+    cip::Bytes held;  ///< what came while nothing was answered
 };
 
 Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log, NetworkSettings network,
@@ -88,7 +102,8 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
       log_(std::move(log)),
       random_(seed),
       sessions_(limits.sessions, random_()),
-      router_(node_identity(device.identity())) {
+      router_(node_identity(device.identity())),
+      faults_(seed) {
     network_.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
     build_objects();
 }
@@ -121,6 +136,7 @@ void Adapter::build_objects() {
     auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), *drive_io_, network_,
                                                        limits_, static_cast<std::uint16_t>(random_()), log_);
     manager_ = manager.get();
+    manager_->refuse_opens([this] { return faults_.refuse_open(); });
     router_.add(std::move(manager));
     std::set<std::uint16_t> classes;
     for (const auto& row : device_.store().table()) classes.insert(row.cip.class_id);
@@ -129,6 +145,7 @@ void Adapter::build_objects() {
 
 std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
     advance(now);
+    if (faults_.is_down()) return std::nullopt;
     const bool refused = !make_room();
     if (refused && limits_.refusals == 0) return std::nullopt;
     auto connection = std::make_unique<Connection>();
@@ -137,7 +154,7 @@ std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip:
     connection->local = local;
     connection->refused = refused;
     connection->decoder = enip::FrameDecoder(limits_.frame_data_bytes);
-    connection->last_message = now;
+    connection->last_message = faults_.bus_time(now);
     if (refused) {
         log_(LogLevel::warning, fmt::format("{} refused: all {} TCP connections are in use", enip::to_string(peer),
                                             limits_.tcp_connections));
@@ -190,7 +207,18 @@ std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time
     const auto found = connections_.find(id);
     if (found == connections_.end()) return octets.size();
     auto& connection = *found->second;
+    if (faults_.is_silent()) {
+        hold_octets(connection, octets);
+        return octets.size();
+    }
     auto rest = octets;
+    take_messages(connection, rest, now);
+    manager_->io().note_changes(faults_.bus_time(now));
+    // What follows an UnRegisterSession or a refusal is nobody's any more.
+    return connection.closing ? octets.size() : octets.size() - rest.size();
+}
+
+void Adapter::take_messages(Connection& connection, cip::ByteView& rest, enip::Time now) {
     std::size_t messages = 0;
     while (!rest.empty() && !connection.closing && connection.replies.size() < limits_.queued_bytes &&
            messages < limits_.messages_per_turn) {
@@ -199,13 +227,40 @@ std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time
         on_message(connection, *message, now);
         ++messages;
     }
-    manager_->io().note_changes(now);
-    // What follows an UnRegisterSession or a refusal is nobody's any more.
-    return connection.closing ? octets.size() : octets.size() - rest.size();
+}
+
+void Adapter::hold_octets(Connection& connection, cip::ByteView octets) {
+    if (connection.closing) return;
+    if (connection.held.size() + octets.size() > held_octets) {
+        log_(LogLevel::info, fmt::format("{} closed: it has sent more than {} octets while nothing is answered",
+                                         enip::to_string(connection.peer), held_octets));
+        expire(connection);
+        return;
+    }
+    connection.held.insert(connection.held.end(), octets.begin(), octets.end());
+    holds_octets_ = true;
+}
+
+// The silence is over. There are few of them, so that they need not wait for their turn.
+void Adapter::take_held_octets(enip::Time now) {
+    if (!holds_octets_ || faults_.is_silent()) return;
+    holds_octets_ = false;
+    for (auto& [id, connection] : connections_) {
+        const auto held = std::exchange(connection->held, {});
+        cip::ByteView rest(held);
+        while (!rest.empty() && !connection->closing) {
+            const auto before = rest.size();
+            take_messages(*connection, rest, now);
+            if (rest.size() == before) break;
+        }
+        connection->held.assign(rest.begin(), rest.end());
+        holds_octets_ = holds_octets_ || (!rest.empty() && !connection->closing);
+        if (!held.empty()) ready_.push_back(id);
+    }
 }
 
 void Adapter::on_message(Connection& connection, const enip::FrameDecoder::Result& message, enip::Time now) {
-    connection.last_message = now;
+    connection.last_message = faults_.bus_time(now);
     const auto& request = message.frame;
     const bool answerable = request.command != Command::nop && request.status == EncapsulationStatus::success;
     if (connection.refused) {
@@ -221,7 +276,32 @@ void Adapter::on_message(Connection& connection, const enip::FrameDecoder::Resul
         request.reply(EncapsulationStatus::invalid_length).write(connection.replies);
         return;
     }
-    if (const auto reply = answer(connection, request, now)) reply->write(connection.replies);
+    if (const auto reply = answer(connection, request, now)) send_reply(connection, *reply, now);
+}
+
+// At once, later or never; what is late keeps its order.
+void Adapter::send_reply(Connection& connection, const Frame& reply, enip::Time now) {
+    const bool is_explicit = reply.command == Command::send_rr_data || reply.command == Command::send_unit_data;
+    const auto delay = is_explicit ? faults_.reply_delay() : std::chrono::microseconds(0);
+    if (!delay) return;
+    if (delay->count() == 0 && connection.late.empty()) {
+        reply.write(connection.replies);
+        return;
+    }
+    if (connection.late.size() >= late_replies) return;
+    const auto due = now + *delay;
+    connection.late.push_back(
+        {connection.late.empty() ? due : std::max(due, connection.late.back().due), reply.encode()});
+}
+
+void Adapter::send_late_replies(Connection& connection, enip::Time now) {
+    if (connection.late.empty() || connection.late.front().due > now || faults_.is_silent()) return;
+    while (!connection.late.empty() && connection.late.front().due <= now) {
+        const auto& octets = connection.late.front().octets;
+        connection.replies.insert(connection.replies.end(), octets.begin(), octets.end());
+        connection.late.pop_front();
+    }
+    ready_.push_back(connection.id);
 }
 
 std::optional<Frame> Adapter::answer(Connection& connection, const Frame& request, enip::Time now) {
@@ -308,7 +388,7 @@ cip::Origin Adapter::origin_of(const Connection& connection, enip::Time now) con
             .address = connection.peer.address,
             .local_address = connection.local.address,
             .reply_limit = limits_.message_bytes,
-            .now = now};
+            .now = faults_.bus_time(now)};
 }
 
 Frame Adapter::send_rr_data(const Connection& connection, const Frame& request, enip::Time now) {
@@ -365,6 +445,8 @@ void Adapter::on_closed(ConnectionId id, enip::Time) {
 
 void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
                           enip::Time now) {
+    faults_.advance(now);
+    if (faults_.is_silent()) return;
     const auto request = Frame::parse(octets);
     if (!request || request->status != EncapsulationStatus::success || request->options != 0) return;
     if (request->command == Command::nop) return;
@@ -384,8 +466,30 @@ void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadc
 
 void Adapter::on_io(enip::Endpoint peer, enip::Endpoint, cip::ByteView octets, enip::Time now) {
     advance(now);
-    manager_->io().on_datagram(peer, octets, now);
-    manager_->io().note_changes(now);
+    const auto bus_time = faults_.bus_time(now);
+    if (faults_.filter_in(peer, octets, now)) manager_->io().on_datagram(peer, octets, bus_time);
+    take_late_io(now);
+    manager_->io().note_changes(bus_time);
+}
+
+void Adapter::take_late_io(enip::Time now) {
+    while (const auto late = faults_.take_in(now)) {
+        manager_->io().on_datagram(late->peer, late->octets, faults_.bus_time(now));
+    }
+}
+
+// While the bus side is frozen its time stands still: no timeout, and nothing that is due.
+void Adapter::produce(enip::Time now) {
+    auto& queue = faults_.leaves_output_alone() ? io_queue_ : produced_;
+    if (!faults_.is_frozen()) {
+        const auto bus_time = faults_.bus_time(now);
+        manager_->io().note_changes(bus_time);
+        manager_->on_timer(bus_time, queue);
+    }
+    if (&queue == &io_queue_) return;
+    faults_.filter_out(produced_, now);
+    io_queue_.append(produced_);
+    produced_.clear();
 }
 
 bool Adapter::delay(enip::Datagram datagram, const Frame& request, enip::Time now) {
@@ -399,25 +503,29 @@ std::vector<enip::Datagram> Adapter::take_datagrams() { return std::exchange(dat
 
 std::vector<Adapter::ConnectionId> Adapter::take_expired() { return std::exchange(expired_, {}); }
 
+std::vector<Adapter::ConnectionId> Adapter::take_ready() { return std::exchange(ready_, {}); }
+
 // One that is closing has a deadline too: its peer may never take the last replies.
 std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) const {
-    if (connection.expired) return std::nullopt;
-    if (connection.refused) return connection.last_message + limits_.refusal_patience;
+    if (connection.expired || faults_.is_frozen()) return std::nullopt;
+    const auto since = faults_.true_time(connection.last_message);
+    if (connection.refused) return since + limits_.refusal_patience;
     if (network_.inactivity_seconds == 0) return std::nullopt;
-    return connection.last_message + std::chrono::seconds(network_.inactivity_seconds);
+    return since + std::chrono::seconds(network_.inactivity_seconds);
 }
 
 void Adapter::on_timer(enip::Time now) {
     advance(now);
     reset(now);
-    manager_->io().note_changes(now);
-    manager_->on_timer(now, io_queue_);
+    take_late_io(now);
+    produce(now);
     std::erase_if(delayed_, [&](DelayedReply& reply) {
         if (reply.due > now) return false;
-        datagrams_.push_back(std::move(reply.datagram));
+        if (!faults_.is_silent()) datagrams_.push_back(std::move(reply.datagram));
         return true;
     });
     for (auto& [id, connection] : connections_) {
+        send_late_replies(*connection, now);
         const auto deadline = deadline_of(*connection);
         if (!deadline || *deadline > now) continue;
         if (!connection->refused) {
@@ -429,12 +537,22 @@ void Adapter::on_timer(enip::Time now) {
 }
 
 std::optional<enip::Time> Adapter::next_deadline() const {
-    auto next = manager_->next_deadline();
+    auto next = faults_.next_deadline();
+    if (!faults_.is_frozen()) {
+        if (const auto bus_time = manager_->next_deadline()) {
+            take_earlier(next, std::optional(faults_.true_time(*bus_time)));
+        }
+    }
     take_earlier(next, to_server(device_.next_deadline()));
     take_earlier(next, to_server(playback_.next()));
     if (reset_) take_earlier(next, std::optional(reset_->due));
     for (const auto& reply : delayed_) take_earlier(next, std::optional(reply.due));
-    for (const auto& [id, connection] : connections_) take_earlier(next, deadline_of(*connection));
+    for (const auto& [id, connection] : connections_) {
+        take_earlier(next, deadline_of(*connection));
+        if (!connection->late.empty() && !faults_.is_silent()) {
+            take_earlier(next, std::optional(connection->late.front().due));
+        }
+    }
     return next;
 }
 
@@ -467,22 +585,53 @@ void Adapter::advance(enip::Time now) {
     playback_.start(time);
     while (const auto due = playback_.take(time)) {
         device_.step(due->at);
-        apply(due->event);
+        static_cast<void>(apply(due->event, to_server(due->at)));
     }
     device_.step(time);
+    faults_.advance(now);
+    drive_io_->set_epoch(epoch_ + std::chrono::duration_cast<std::chrono::microseconds>(faults_.frozen()));
+    take_held_octets(now);
 }
 
-void Adapter::inject(const drive::Event& event, enip::Time now) {
+bool Adapter::inject(const Happening& event, enip::Time now) {
     advance(now);
-    apply(event);
+    const bool taken = apply(event, now);
+    take_held_octets(now);
+    return taken;
 }
 
 drive::Time Adapter::elapsed(enip::Time now) const { return playback_.elapsed(to_drive(now)); }
 
-void Adapter::apply(const drive::Event& event) {
+bool Adapter::apply(const Happening& event, enip::Time now) {
     log_(LogLevel::info, fmt::format("event: {}", describe(event)));
-    device_.inject(event);
-    if (!std::holds_alternative<drive::event::PowerCycle>(event)) return;
+    if (const auto* fault = std::get_if<NetworkFault>(&event)) return begin(*fault, now);
+    const auto& machine = std::get<drive::Event>(event);
+    device_.inject(machine);
+    if (std::holds_alternative<drive::event::PowerCycle>(machine)) restart_by_power();
+    return true;
+}
+
+bool Adapter::begin(const NetworkFault& fault, enip::Time now) {
+    if (!faults_.begin(fault, now)) {
+        log_(LogLevel::warning,
+             fmt::format("there are {} network faults already; this one is left out", NetworkFaults::max_active));
+        return false;
+    }
+    if (std::holds_alternative<fault::Restart>(fault)) {
+        device_.inject(drive::event::PowerCycle{});
+        restart_by_power();
+    } else if (const auto* close = std::get_if<fault::CloseSessions>(&fault)) {
+        for (auto& [id, connection] : connections_) {
+            const auto handle = sessions_.handle_of(id);
+            const bool meant = close->session == 0 ? handle != 0 : handle == close->session;
+            if (meant && !connection->expired) expire(*connection);
+        }
+    }
+    return true;
+}
+
+// Logic power has been off: what objects and connections remember is forgotten.
+void Adapter::restart_by_power() {
     reset_.reset();  // what a Reset asked for has happened
     shut_down();
     build_objects();
@@ -491,6 +640,14 @@ void Adapter::apply(const drive::Event& event) {
 void Adapter::set_epoch(std::chrono::microseconds epoch) {
     epoch_ = epoch;
     drive_io_->set_epoch(epoch);
+}
+
+std::vector<std::pair<std::uint32_t, enip::Endpoint>> Adapter::open_sessions() const {
+    std::vector<std::pair<std::uint32_t, enip::Endpoint>> all;
+    for (const auto& [id, connection] : connections_) {
+        if (const auto handle = sessions_.handle_of(id)) all.emplace_back(handle, connection->peer);
+    }
+    return all;
 }
 
 void Adapter::shut_down() {

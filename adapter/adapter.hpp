@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "adapter/connection_manager.hpp"
@@ -22,6 +23,7 @@
 #include "adapter/identity_object.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
+#include "adapter/network_faults.hpp"
 #include "adapter/network_settings.hpp"
 #include "adapter/session.hpp"
 #include "adapter/timetable.hpp"
@@ -58,6 +60,7 @@ public:
     void on_timer(enip::Time now) override;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const override;
     [[nodiscard]] std::vector<ConnectionId> take_expired() override;
+    [[nodiscard]] std::vector<ConnectionId> take_ready() override;
 
     /// What an Identity Reset does to the device: called when all connections are closed, a moment after the reply.
     /// Without it, the device goes back to its printed defaults.
@@ -66,8 +69,9 @@ public:
     /// What happens to the drive while it runs. The timetable's clock starts at the first `now` that the adapter is
     /// given, which is when the server starts to serve.
     void play(Timetable timetable) { playback_ = Playback(std::move(timetable)); }
-    /// Something happens to the drive now. The server has to look at next_deadline() afterwards.
-    void inject(const drive::Event& event, enip::Time now);
+    /// Something happens to the drive or its network now. The server has to look at next_deadline() afterwards. False:
+    /// there are too many faults already.
+    bool inject(const Happening& event, enip::Time now);
     /// Brings the drive, and what the timetable has for it, to `now`.
     void advance(enip::Time now);
     /// The time on the timetable's clock.
@@ -79,12 +83,18 @@ public:
     [[nodiscard]] const Limits& limits() const { return limits_; }
     [[nodiscard]] std::size_t tcp_connections() const { return connections_.size(); }
     [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
+    /// The handle of each session and whose it is.
+    [[nodiscard]] std::vector<std::pair<std::uint32_t, enip::Endpoint>> open_sessions() const;
     [[nodiscard]] std::size_t class3_connections() const { return manager_->explicit_connections().size(); }
     /// The I/O connections, for those who look at them.
     [[nodiscard]] const IoConnections& io() const { return manager_->io(); }
     [[nodiscard]] const ConnectionManager& connection_manager() const { return *manager_; }
     /// What is to be added to `now` for the time of day: microseconds since 1970. Time stamps count from there.
     void set_epoch(std::chrono::microseconds epoch);
+    /// What is wrong with the network on purpose.
+    [[nodiscard]] const NetworkFaults& faults() const { return faults_; }
+    /// Faults that leave something to chance repeat with this number. Before any of them.
+    void seed_faults(std::uint64_t seed) { faults_ = NetworkFaults(seed); }
     [[nodiscard]] drive::Device& device() { return device_; }
     [[nodiscard]] const drive::Device& device() const { return device_; }
     /// The values behind the network objects; whoever knows the host's address writes it here.
@@ -118,7 +128,16 @@ private:
     [[nodiscard]] enip::Frame list(const enip::Frame& request, enip::Endpoint local) const;
     [[nodiscard]] bool delay(enip::Datagram datagram, const enip::Frame& request, enip::Time now);
     void reset(enip::Time now);
-    void apply(const drive::Event& event);
+    bool apply(const Happening& event, enip::Time now);
+    bool begin(const NetworkFault& fault, enip::Time now);
+    void restart_by_power();
+    void take_messages(Connection& connection, cip::ByteView& rest, enip::Time now);
+    void hold_octets(Connection& connection, cip::ByteView octets);
+    void take_held_octets(enip::Time now);
+    void take_late_io(enip::Time now);
+    void send_reply(Connection& connection, const enip::Frame& reply, enip::Time now);
+    void send_late_replies(Connection& connection, enip::Time now);
+    void produce(enip::Time now);
     [[nodiscard]] std::optional<enip::Time> deadline_of(const Connection& connection) const;
 
     drive::Device& device_;
@@ -139,6 +158,10 @@ private:
     std::vector<enip::Datagram> datagrams_;
     std::vector<DelayedReply> delayed_;
     std::vector<ConnectionId> expired_;
+    std::vector<ConnectionId> ready_;
+    NetworkFaults faults_;
+    enip::IoQueue produced_;     ///< on its way through faults
+    bool holds_octets_ = false;  ///< of some connection
     std::optional<Reset> reset_{};
     std::function<void(ResetType)> restart_;
     Playback playback_;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "adapter/axis_file.hpp"
+#include "adapter/fleet.hpp"
 #include "adapter/json_settings.hpp"
 #include "adapter/memory_settings.hpp"
 #include "drive/lookup.hpp"
@@ -24,6 +25,7 @@ constexpr std::size_t max_product_name = 32;  // R-ID-1
 constexpr std::int64_t max_limit = 100'000;
 // The lower half of a connection id is a number of 16 bits (R-CON-16).
 constexpr std::int64_t max_class3_connections = 65'535;
+constexpr std::int64_t max_listening_connections = 128;
 constexpr std::int64_t max_inactivity_seconds = 3600;  // R-ENC-24
 constexpr std::int64_t max_seed = std::numeric_limits<std::int64_t>::max();
 
@@ -138,6 +140,7 @@ Setters limit_setters(Config& config, std::uint64_t& inactivity_seconds) {
         {"tcp_connections", whole_number(config.limits.tcp_connections, 1, max_limit)},
         {"sessions", whole_number(config.limits.sessions, 1, max_limit)},
         {"class3_connections", whole_number(config.limits.class3_connections, 0, max_class3_connections)},
+        {"listening_connections", whole_number(config.limits.listening_connections, 0, max_listening_connections)},
         {"inactivity_seconds", whole_number(inactivity_seconds, 0, max_inactivity_seconds)},
     };
 }
@@ -157,6 +160,8 @@ std::optional<FileError> read_members(const JsonDocument& document, Config& conf
         {"variant", variant_setter(config.variant)},
         {"bind", text(config.bind)},
         {"port", whole_number(config.port, 0, 65535)},
+        {"io_port", whole_number(config.io_port, 0, 65535)},
+        {"count", whole_number(config.count, 1, max_drives)},
         {"log_level", one_of(config.log_level, levels)},
         {"axis", axis_setter(config)},
         {"seed", whole_number(config.seed, 0, max_seed)},

@@ -19,8 +19,14 @@ namespace {
 using Answer = nlohmann::ordered_json;
 using nlohmann::json;
 
-enum class Query : std::uint8_t { state, axis };
-constexpr std::array<std::pair<std::string_view, Query>, 2> queries{{{"state", Query::state}, {"axis", Query::axis}}};
+enum class Query : std::uint8_t { state, axis, connections, counters };
+constexpr std::array<std::pair<std::string_view, Query>, 4> queries{{{"state", Query::state},
+                                                                     {"axis", Query::axis},
+                                                                     {"connections", Query::connections},
+                                                                     {"counters", Query::counters}}};
+
+enum class Command : std::uint8_t { stop };
+constexpr std::array<std::pair<std::string_view, Command>, 1> commands{{{"stop", Command::stop}}};
 
 // Where the table has what {"query": "state"} tells.
 constexpr drive::Key status_word{0x66, 0x01};
@@ -109,28 +115,160 @@ Answer describe_axis(const drive::AxisKind& axis) {
     return answer;
 }
 
+std::string_view name_of(enip::Trigger trigger) {
+    switch (trigger) {
+        case enip::Trigger::cyclic:
+            return "cyclic";
+        case enip::Trigger::change_of_state:
+            return "change of state";
+        case enip::Trigger::application:
+            return "application";
+    }
+    return "";
+}
+
+std::string_view state_of(const enip::IoConsumer& consumer) {
+    if (!consumer.alive()) return "waiting";
+    return consumer.run() ? "run" : "idle";
+}
+
+Answer members_of(const IoConnection& connection) {
+    const auto& consumer = connection.consumer;
+    const auto& producer = connection.production->producer;
+    const auto& triad = connection.request.triad;
+    return {{"number", connection.number},
+            {"kind", assemblies::name(connection.kind->kind)},
+            {"o_to_t_point", connection.kind->o_to_t_point},
+            {"t_to_o_point", connection.kind->t_to_o_point},
+            {"originator", enip::to_string(connection.originator)},
+            {"vendor", triad.originator_vendor},
+            {"originator_serial", triad.originator_serial},
+            {"serial", triad.serial_number},
+            {"o_to_t_id", connection.o_to_t_id},
+            {"t_to_o_id", connection.t_to_o_id},
+            {"state", state_of(consumer)},
+            {"run", consumer.run()},
+            {"trigger", name_of(producer.settings().trigger)},
+            {"multicast", connection.production->multicast},
+            {"destination", enip::to_string(producer.settings().route.peer)},
+            {"o_to_t_interval_us", connection.request.o_to_t_rpi},
+            {"t_to_o_interval_us", producer.settings().interval.count()},
+            {"timeout_us", consumer.settings().timeout.count()},
+            {"received", consumer.counters().accepted},
+            {"lost", consumer.counters().lost},
+            {"stale", consumer.counters().stale},
+            {"wrong_size", consumer.counters().wrong_size},
+            {"sent", producer.counters().sent},
+            {"skipped", producer.counters().skipped}};
+}
+
+Answer connections_of(const Adapter& adapter) {
+    auto list = Answer::array();
+    for (const auto& connection : adapter.io().all()) list.push_back(members_of(*connection));
+    return {{"ok", true}, {"connections", std::move(list)}};
+}
+
+Answer members_of(const NetworkFaults::Counters& counters) {
+    return {{"dropped", counters.dropped},     {"delayed", counters.delayed},       {"duplicated", counters.duplicated},
+            {"reordered", counters.reordered}, {"overflowed", counters.overflowed}, {"silenced", counters.silenced}};
+}
+
+Answer counters_of(const Adapter& adapter) {
+    const auto count = [&](Counter which) { return adapter.connection_manager().counter(which); };
+    const auto& strays = adapter.io().strays();
+    const auto& faults = adapter.faults();
+    auto sessions = Answer::array();
+    for (const auto& [handle, peer] : adapter.open_sessions()) {
+        sessions.push_back({{"session", handle}, {"peer", enip::to_string(peer)}});
+    }
+    return {
+        {"ok", true},
+        {"tcp_connections", adapter.tcp_connections()},
+        {"sessions", std::move(sessions)},
+        {"class3_connections", adapter.class3_connections()},
+        {"io_connections", adapter.io().size()},
+        {"open_requests", count(Counter::open_requests)},
+        {"open_format_rejects", count(Counter::open_format_rejects)},
+        {"open_resource_rejects", count(Counter::open_resource_rejects)},
+        {"open_other_rejects", count(Counter::open_other_rejects)},
+        {"close_requests", count(Counter::close_requests)},
+        {"close_format_rejects", count(Counter::close_format_rejects)},
+        {"close_other_rejects", count(Counter::close_other_rejects)},
+        {"connection_timeouts", count(Counter::connection_timeouts)},
+        {"stray_datagrams",
+         {{"malformed", strays.malformed}, {"unknown_id", strays.unknown_id}, {"wrong_source", strays.wrong_source}}},
+        {"faults",
+         {{"active", faults.active()},
+          {"o_to_t", members_of(faults.in())},
+          {"t_to_o", members_of(faults.out())},
+          {"replies_delayed", faults.replies().delayed},
+          {"replies_withheld", faults.replies().withheld},
+          {"opens_refused", faults.replies().opens_refused}}}};
+}
+
+std::string tell(Adapter& adapter, Query query, const drive::AxisKind& axis, enip::Time now) {
+    adapter.advance(now);
+    switch (query) {
+        case Query::state:
+            return text_of(state_of(adapter, now));
+        case Query::axis:
+            return text_of(describe_axis(axis));
+        case Query::connections:
+            return text_of(connections_of(adapter));
+        case Query::counters:
+            return text_of(counters_of(adapter));
+    }
+    return {};
+}
+
+std::string happen(Adapter& adapter, const Happening& event, enip::Time now) {
+    if (std::holds_alternative<drive::Event>(event) && !adapter.device().has_machine()) {
+        return control_error("this drive has no machine that anything could happen to");
+    }
+    if (!adapter.inject(event, now)) {
+        return control_error(fmt::format("there are {} network faults already", NetworkFaults::max_active));
+    }
+    return text_of({{"ok", true}});
+}
+
 }  // namespace
 
 std::string control_error(std::string_view reason) { return text_of({{"ok", false}, {"error", reason}}); }
+
+std::vector<std::pair<std::string_view, Adapter*>> Control::names() const {
+    std::vector<std::pair<std::string_view, Adapter*>> pairs;
+    for (const auto& drive : drives_) pairs.emplace_back(drive.address, drive.adapter);
+    return pairs;
+}
 
 std::string Control::answer(std::string_view line, enip::Time now) {
     auto parsed = parse_settings(std::string(line), "line");
     if (const auto* error = std::get_if<FileError>(&parsed)) return refusal(*error);
     const auto& document = std::get<JsonDocument>(parsed);
+    const Walk walk(document);
+    const auto drives = names();
+    auto* adapter = drives.front().second;
+    const auto which_drive = one_of(adapter, drives);
     if (document.root.contains("query")) {
         auto query = Query::state;
-        if (const auto error = Walk(document).object(document.root, "", {{"query", one_of(query, queries)}})) {
+        if (const auto error =
+                walk.object(document.root, "", {{"query", one_of(query, queries)}, {"drive", which_drive}})) {
             return refusal(*error);
         }
-        adapter_.advance(now);
-        return text_of(query == Query::state ? state_of(adapter_, now) : describe_axis(axis_));
+        return tell(*adapter, query, axis_, now);
     }
-    const auto event = read_event(document, "", document.root);
+    if (document.root.contains("command")) {
+        auto command = Command::stop;
+        if (const auto error = walk.object(document.root, "", {{"command", one_of(command, commands)}})) {
+            return refusal(*error);
+        }
+        if (!stop_) return control_error("nothing here can be stopped");
+        stop_();
+        return text_of({{"ok", true}});
+    }
+    const auto event = read_event(document, "", document.root, {.setters = {{"drive", which_drive}}});
     if (const auto* error = std::get_if<FileError>(&event)) return refusal(*error);
-    if (!adapter_.device().has_machine())
-        return control_error("this drive has no machine that anything could happen to");
-    adapter_.inject(std::get<drive::Event>(event), now);
-    return text_of({{"ok", true}});
+    return happen(*adapter, std::get<Happening>(event), now);
 }
 
 }  // namespace servobus::adapter

@@ -3,10 +3,14 @@
 //     {"event": "put-obstacle", "position": 40000}    {"ok":true}
 //     {"event": "put-obstacle"}                       {"ok":false,"error":"column 1: 'position' is missing"}
 //     {"query": "state"}                              {"ok":true,"state":"Operation enabled","position":40000,...}
+//     {"command": "stop"}                             {"ok":true}, and the program ends
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "adapter/adapter.hpp"
 #include "drive/axis_kind.hpp"
@@ -16,15 +20,29 @@ namespace servobus::adapter {
 
 class Control {
 public:
-    /// The adapter must outlive this. `axis` is what {"query": "axis"} tells.
-    Control(Adapter& adapter, drive::AxisKind axis) : adapter_(adapter), axis_(std::move(axis)) {}
+    /// The adapters must outlive this. Lines that name no drive mean the first. `axis` is what {"query": "axis"} tells.
+    Control(Adapter& adapter, drive::AxisKind axis, std::string address = "")
+        : drives_{{std::move(address), &adapter}}, axis_(std::move(axis)) {}
+
+    /// Another drive of this process, by the address at which it listens: {"drive": "127.0.1.2", ...}.
+    void add(Adapter& adapter, std::string address) { drives_.push_back({std::move(address), &adapter}); }
+    /// What {"command": "stop"} does.
+    void on_stop(std::function<void()> stop) { stop_ = std::move(stop); }
 
     /// The answer to a line, both without their line ends.
     [[nodiscard]] std::string answer(std::string_view line, enip::Time now);
 
 private:
-    Adapter& adapter_;
+    struct Drive {
+        std::string address;
+        Adapter* adapter;
+    };
+
+    [[nodiscard]] std::vector<std::pair<std::string_view, Adapter*>> names() const;
+
+    std::vector<Drive> drives_;
     drive::AxisKind axis_;
+    std::function<void()> stop_;
 };
 
 /// `{"ok":false,"error":"..."}`, for what is wrong with a line before it can be looked at.

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cstdint>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "adapter/event_words.hpp"
@@ -10,6 +14,26 @@ namespace servobus::adapter {
 namespace {
 
 using nlohmann::json;
+
+// A number, or a text such as "0x0113".
+template <class Integer>
+Setter code_number(Integer& field, std::int64_t low, std::int64_t high) {
+    return [&field, low, high](const json& value) -> Reason {
+        if (!value.is_string()) return whole_number(field, low, high)(value);
+        const auto& text = value.get_ref<const std::string&>();
+        std::int64_t number = 0;
+        const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+        const auto digits = std::string_view(text).substr(hexadecimal ? 2 : 0);
+        const auto [end, error] =
+            std::from_chars(digits.data(), digits.data() + digits.size(), number, hexadecimal ? 16 : 10);
+        const bool whole = error == std::errc() && end == digits.data() + digits.size();
+        if (!whole || number < low || number > high) {
+            return fmt::format("must be a whole number from {} to {}, or a text such as \"0x0113\"", low, high);
+        }
+        field = static_cast<Integer>(number);
+        return {};
+    };
+}
 
 // Collects a setter for each field that an event has.
 struct Collect {
@@ -24,6 +48,10 @@ struct Collect {
     template <class Word, class Words>
     void word(const std::string& name, Word& field, const Words& words, Need need) {
         add(name, one_of(field, words), need);
+    }
+    template <class Integer>
+    void code(const std::string& name, Integer& field, std::int64_t low, std::int64_t high, Need need) {
+        add(name, code_number(field, low, high), need);
     }
 
     void add(const std::string& name, Setter setter, Need need) {
@@ -48,8 +76,8 @@ FileError no_event(const Walk& walk, const std::string& pointer, const json& mem
 
 }  // namespace
 
-std::variant<drive::Event, FileError> read_event(const JsonDocument& document, const std::string& pointer,
-                                                 const json& members, BesideEvent beside) {
+std::variant<Happening, FileError> read_event(const JsonDocument& document, const std::string& pointer,
+                                              const json& members, BesideEvent beside) {
     const Walk walk(document);
     const auto* kind = kind_of(members);
     if (kind == nullptr) return no_event(walk, pointer, members);

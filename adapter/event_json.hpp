@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "adapter/json_settings.hpp"
-#include "drive/event.hpp"
+#include "adapter/network_fault.hpp"
 
 namespace servobus::adapter {
 
@@ -18,7 +18,7 @@ struct BesideEvent {
 };
 
 /// The event that the object at `pointer` of the document describes. Members that the event does not have are errors.
-[[nodiscard]] std::variant<drive::Event, FileError> read_event(const JsonDocument& document, const std::string& pointer,
-                                                               const nlohmann::json& members, BesideEvent beside = {});
+[[nodiscard]] std::variant<Happening, FileError> read_event(const JsonDocument& document, const std::string& pointer,
+                                                            const nlohmann::json& members, BesideEvent beside = {});
 
 }  // namespace servobus::adapter

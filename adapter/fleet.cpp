@@ -69,6 +69,7 @@ Fleet::Fleet(const Config& config, const std::vector<std::string>& addresses, st
         }
         auto& member =
             *members_.emplace_back(std::make_unique<Member>(make_device(own), config, seeds(), std::move(sink), eds));
+        member.adapter.seed_faults(own.seed);
         member.adapter.play(scenario);
     }
 }

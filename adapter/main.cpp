@@ -21,6 +21,7 @@
 #include "adapter/config.hpp"
 #include "adapter/control.hpp"
 #include "adapter/fleet.hpp"
+#include "adapter/ready_line.hpp"
 #include "adapter/scenario.hpp"
 #include "adapter/version.hpp"
 #include "drive/xenax.hpp"
@@ -58,6 +59,7 @@ struct Arguments {
     std::optional<std::string> scenario;
     std::vector<std::string> controls;
     bool list_axes = false;
+    bool ready_json = false;
 };
 
 int fail(int code, const std::string& reason) {
@@ -88,6 +90,8 @@ void add_machine_options(CLI::App& app, Arguments& arguments) {
            "socket to listen at; may be given again")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_flag("--ready-json", arguments.ready_json,
+                 "Say in one line of JSON that it listens, and where: for programs that start this one");
 }
 
 // Nullopt: go on. Otherwise the exit code: help was asked for, or the usage is wrong.
@@ -238,6 +242,15 @@ void announce(const drive::Identity& identity, const Listening& listening) {
         identity.minor_revision, identity.serial_number, servobus::enip::to_string(listening.local), io);
 }
 
+void announce_in_json(Fleet& fleet, const std::vector<std::string>& addresses, const std::vector<Listening>& places,
+                      const std::vector<std::string>& controls) {
+    std::vector<servobus::adapter::ReadyDrive> drives;
+    for (std::size_t i = 0; i < fleet.size(); ++i) {
+        drives.push_back({addresses[i], places[i].local.port, places[i].io_port, fleet[i].device.identity()});
+    }
+    fmt::print("{}\n", servobus::adapter::ready_line(drives, ::getpid(), controls));
+}
+
 // Nullopt, or the exit code.
 std::optional<int> serve_lines(TargetServer& server, const std::vector<std::string>& controls, Control& control) {
     using servobus::adapter::control_error;
@@ -272,18 +285,25 @@ std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& conf
 }
 
 int serve(const Config& config, const Files& files, const std::vector<std::string>& addresses,
-          const std::vector<std::string>& controls) {
+          const Arguments& arguments) {
+    const auto& controls = arguments.controls;
     const auto logger = make_logger(config.log_level);
     make_room_for_descriptors(config.limits, addresses.size(), *logger);
     const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
     Fleet fleet(config, addresses, unpredictable_seed(), log, files.eds, files.scenario);
-    Control control(fleet[0].adapter, axis_of(config));
+    Control control(fleet[0].adapter, axis_of(config), addresses[0]);
+    for (std::size_t i = 1; i < fleet.size(); ++i) control.add(fleet[i].adapter, addresses[i]);
     TargetServer server([&](const std::string& line) { logger->warn(line); });
+    control.on_stop([&] { server.stop(); });
     std::vector<Listening> places;
     if (const auto code = listen(server, fleet, config, addresses, places)) return *code;
     if (const auto code = serve_lines(server, controls, control)) return *code;
     server.catch_signals();  // before anybody is told that it listens
-    for (std::size_t i = 0; i < fleet.size(); ++i) announce(fleet[i].device.identity(), places[i]);
+    if (arguments.ready_json) {
+        announce_in_json(fleet, addresses, places, controls);
+    } else {
+        for (std::size_t i = 0; i < fleet.size(); ++i) announce(fleet[i].device.identity(), places[i]);
+    }
     std::fflush(stdout);
     if (fleet[0].device.has_machine()) logger->info("the axis is a {}", axis_of(config).name);
     server.run([&] {
@@ -323,7 +343,7 @@ int run(int argc, char** argv) {
     const auto binds = arguments.binds.size() > 1 ? arguments.binds : std::vector{config.bind};
     const auto addresses = servobus::adapter::drive_addresses(binds, config.count);
     if (const auto* reason = std::get_if<std::string>(&addresses)) return fail(wrong_usage, *reason);
-    return serve(config, files, std::get<std::vector<std::string>>(addresses), arguments.controls);
+    return serve(config, files, std::get<std::vector<std::string>>(addresses), arguments);
 }
 
 }  // namespace

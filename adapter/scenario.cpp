@@ -23,7 +23,7 @@ std::optional<FileError> read_entry(const JsonDocument& document, std::size_t in
     auto event = read_event(document, pointer, members,
                             {.setters = {{"at", number(at, from_to(0, max_scenario_seconds))}}, .required = {"at"}});
     if (auto* error = std::get_if<FileError>(&event)) return *error;
-    timetable.entries.push_back({from_seconds(at), std::get<drive::Event>(event)});
+    timetable.entries.push_back({from_seconds(at), std::get<Happening>(event)});
     return std::nullopt;
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "drive/event.hpp"
+#include "adapter/network_fault.hpp"
 #include "drive/time.hpp"
 
 namespace servobus::adapter {
@@ -15,7 +15,7 @@ namespace servobus::adapter {
 struct Timetable {
     struct Entry {
         drive::Time at{};
-        drive::Event event;
+        Happening event;
     };
     std::vector<Entry> entries;
     std::optional<drive::Time> repeat_every{};  ///< longer than zero, and not shorter than the last entry's time

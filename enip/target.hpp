@@ -62,6 +62,9 @@ public:
     /// Connections that on_timer() or on_open() has decided to close.
     [[nodiscard]] virtual std::vector<ConnectionId> take_expired() = 0;
 
+    /// Connections whose replies have become ready otherwise than by their own on_octets(): to be written now.
+    [[nodiscard]] virtual std::vector<ConnectionId> take_ready() { return {}; }
+
 protected:
     Target() = default;
     Target(const Target&) = default;

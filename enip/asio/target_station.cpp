@@ -163,10 +163,10 @@ net::awaitable<void> TargetStation::serve(tcp::socket socket) {
     const auto local = to_endpoint(socket.local_endpoint(error));
     const auto id = target_.on_open(peer, local, clock_now());
     if (!id) co_return;
-    sockets_[*id] = &socket;
+    peers_[*id].socket = &socket;
     after_event();  // others may have made room for this one
     co_await exchange(socket, *id);
-    sockets_.erase(*id);
+    peers_.erase(*id);
     target_.on_closed(*id, clock_now());
 }
 
@@ -174,8 +174,20 @@ net::awaitable<void> TargetStation::serve(tcp::socket socket) {
 // its requests are read, so that it holds one read and one batch of replies and nothing else.
 net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::ConnectionId id) {
     std::array<std::uint8_t, read_buffer_octets> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    auto& peer = peers_[id];
     while (!stopped_) {
+        for (auto late = target_.take_replies(id); !late.empty(); late = target_.take_replies(id)) {
+            const auto [failed, written] = co_await net::async_write(socket, net::buffer(late), awaited);
+            if (failed) co_return;
+        }
+        if (target_.wants_close(id)) {
+            if (!stopped_) co_await farewell(socket, id);
+            co_return;
+        }
+        peer.reads = true;
         const auto [error, size] = co_await socket.async_read_some(net::buffer(buffer), awaited);
+        peer.reads = false;
+        if (error == net::error::operation_aborted && !target_.wants_close(id)) continue;  // there are late replies
         if (error) co_return;
         cip::ByteView octets(buffer.data(), size);
         while (!octets.empty()) {
@@ -292,16 +304,25 @@ void TargetStation::flush() {
 }
 
 void TargetStation::close_expired() {
+    for (const auto id : target_.take_ready()) wake(id);
     for (const auto id : target_.take_expired()) cut(id);
 }
 
 // Whatever its coroutine waits for ends, and so does everything that it would wait for later.
 void TargetStation::cut(Target::ConnectionId id) {
-    const auto found = sockets_.find(id);
-    if (found == sockets_.end()) return;
+    const auto found = peers_.find(id);
+    if (found == peers_.end()) return;
     error_code ignored;
-    found->second->shutdown(tcp::socket::shutdown_both, ignored);
-    found->second->cancel(ignored);
+    found->second.socket->shutdown(tcp::socket::shutdown_both, ignored);
+    found->second.socket->cancel(ignored);
+}
+
+// Its read ends, so that it writes what is ready.
+void TargetStation::wake(Target::ConnectionId id) {
+    const auto found = peers_.find(id);
+    if (found == peers_.end() || !found->second.reads) return;
+    error_code ignored;
+    found->second.socket->cancel(ignored);
 }
 
 void TargetStation::shut_down() {
@@ -312,9 +333,9 @@ void TargetStation::shut_down() {
     io_.close();
     timer_.cancel();
     close_expired();
-    for (auto& [id, socket] : sockets_) {
-        socket->shutdown(tcp::socket::shutdown_both, ignored);
-        socket->cancel(ignored);
+    for (auto& [id, peer] : peers_) {
+        peer.socket->shutdown(tcp::socket::shutdown_both, ignored);
+        peer.socket->cancel(ignored);
     }
 }
 

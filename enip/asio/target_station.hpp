@@ -65,6 +65,7 @@ private:
     void flush();
     void close_expired();
     void cut(Target::ConnectionId id);
+    void wake(Target::ConnectionId id);
 
     Target& target_;
     const Shared& shared_;
@@ -79,7 +80,12 @@ private:
     boost::asio::steady_timer timer_;
     Endpoint local_;
     std::optional<Interface> interface_;
-    std::map<Target::ConnectionId, boost::asio::ip::tcp::socket*> sockets_;
+    /// One that reads may be woken; one that writes looks for more when it is done.
+    struct Peer {
+        boost::asio::ip::tcp::socket* socket = nullptr;
+        bool reads = false;
+    };
+    std::map<Target::ConnectionId, Peer> peers_;
     std::optional<Time> armed_;
     bool stopped_ = false;
 };

@@ -43,16 +43,19 @@ TEST(Config, AnEmptyObjectIsTheDefault) {
 
 TEST(Config, TakesEverySetting) {
     const auto result = config(R"({
-        "variant": "48v8", "bind": "0.0.0.0", "port": 0, "log_level": "debug", "motor": "linear", "eds": "drive.eds",
+        "variant": "48v8", "bind": "0.0.0.0", "port": 0, "io_port": 2223, "count": 1024, "log_level": "debug", "motor": "linear", "eds": "drive.eds",
         "axis": "linax-lxc-230f10", "seed": 9223372036854775807, "scenario": "night.json",
         "identity": {"serial_number": 4294967295, "major_revision": 127, "minor_revision": 255, "product_name": "Press 7"},
         "lost_controller": {"outputs": "off"},
-        "limits": {"tcp_connections": 1, "sessions": 2, "class3_connections": 0, "inactivity_seconds": 3600},
+        "limits": {"tcp_connections": 1, "sessions": 2, "class3_connections": 0, "listening_connections": 3,
+                   "inactivity_seconds": 3600},
         "values": {"SCurve": 50, "drive.Controlword": "0x1F", "ServoIdentificationString": "axis 1"}
     })");
     EXPECT_EQ(result.variant, "48v8");
     EXPECT_EQ(result.bind, "0.0.0.0");
     EXPECT_EQ(result.port, 0);
+    EXPECT_EQ(result.io_port, 2223);
+    EXPECT_EQ(result.count, 1024U);
     EXPECT_EQ(result.outputs_without_controller, drive::OutputsWithoutController::off);
     EXPECT_EQ(result.log_level, LogLevel::debug);
     EXPECT_EQ(result.motor, drive::Motor::linear);
@@ -68,6 +71,7 @@ TEST(Config, TakesEverySetting) {
     EXPECT_EQ(result.limits.tcp_connections, 1U);
     EXPECT_EQ(result.limits.sessions, 2U);
     EXPECT_EQ(result.limits.class3_connections, 0U);
+    EXPECT_EQ(result.limits.listening_connections, 3U);
     EXPECT_EQ(result.limits.inactivity, std::chrono::seconds(3600));
     EXPECT_EQ(result.values.size(), 3U);
 }
@@ -123,14 +127,15 @@ INSTANTIATE_TEST_SUITE_P(
     Keys, WrongConfig,
     testing::Values(
         Wrong{"{\n  \"prot\": 1}",
-              "2:3: 'prot' is not a setting; here may stand: axis, bind, eds, identity, "
+              "2:3: 'prot' is not a setting; here may stand: axis, bind, count, eds, identity, "
+              "io_port, "
               "limits, log_level, lost_controller, motor, port, profiles, programs, scenario, seed, values, variant"},
         Wrong{"{\"identity\": {\"serial\": 1}}",
               "1:15: 'serial' is not a setting; here may stand: "
               "major_revision, minor_revision, product_name, serial_number"},
         Wrong{"{\"limits\": {\n\n   \"refusals\": 1}}",
               "3:4: 'refusals' is not a setting; here may stand: "
-              "class3_connections, inactivity_seconds, sessions, "
+              "class3_connections, inactivity_seconds, listening_connections, sessions, "
               "tcp_connections"},
         Wrong{"{\"port\": 1,\n \"port\": 1}", "2:2: 'port' stands here a second time"},
         Wrong{"{\"values\": {\"SCurve\": 1, \"SCurve\": 2}}", "1:26: 'SCurve' stands here a second time"},

@@ -50,11 +50,12 @@ TEST_F(ControlLines, WhatIsWrongIsSaidAndNothingHappens) {
     EXPECT_EQ(answer(R"({"event": "set-input", "number": 13})"),
               R"({"ok":false,"error":"column 24: 'number' must be a whole number from 1 to 12"})");
     EXPECT_EQ(answer(R"({"event": "block-axis", "at": 1})"),
-              R"({"ok":false,"error":"column 25: 'at' is not a setting; here may stand: event"})");
+              R"({"ok":false,"error":"column 25: 'at' is not a setting; here may stand: drive, event"})");
     EXPECT_EQ(answer("{}"), R"({"ok":false,"error":"column 1: 'event' is missing"})");
     EXPECT_EQ(answer("[]"), R"({"ok":false,"error":"column 1: the line must hold one object in braces"})");
     EXPECT_EQ(answer(R"({"query": "stat"})"),
-              R"({"ok":false,"error":"column 2: 'query' must be one of \"state\", \"axis\""})");
+              R"({"ok":false,"error":"column 2: 'query' must be one of \"state\", \"axis\", )"
+              R"(\"connections\", \"counters\""})");
     EXPECT_THAT(answer(R"({"query": "state", "event": "block-axis"})"), HasSubstr("'event' is not a setting"));
     EXPECT_THAT(fake_machine().events, IsEmpty());
 }
@@ -113,12 +114,105 @@ TEST_F(ControlLines, APowerCycleEndsTheConnections) {
     EXPECT_FALSE(peer.open());
 }
 
+TEST_F(ControlLines, FaultsOfTheNetworkAreEventsToo) {
+    EXPECT_EQ(answer(R"({"event": "drop-io", "direction": "o_to_t", "share": 0.3, "seconds": 5})"), R"({"ok":true})");
+    EXPECT_THAT(site.log, ElementsAre("event: drop-io direction=o_to_t share=0.3 count=0 seconds=5"));
+    EXPECT_EQ(site.adapter.faults().active(), 1U);
+    EXPECT_EQ(answer(R"({"event": "restore-network"})"), R"({"ok":true})");
+    EXPECT_EQ(site.adapter.faults().active(), 0U);
+    EXPECT_EQ(answer(R"({"event": "refuse-open"})"), R"({"ok":false,"error":"column 1: 'extended' is missing"})");
+    EXPECT_EQ(answer(R"({"event": "refuse-open", "extended": "0x10000"})"),
+              R"({"ok":false,"error":"column 26: 'extended' must be a whole number from 0 to 65535, or a text such as )"
+              R"(\"0x0113\""})");
+    EXPECT_THAT(fake_machine().events, IsEmpty());
+}
+
+TEST_F(ControlLines, TooManyFaultsAreRefused) {
+    const auto* line = R"({"event": "drop-io"})";
+    for (std::size_t i = 0; i < adapter::NetworkFaults::max_active; ++i) EXPECT_EQ(answer(line), R"({"ok":true})");
+    EXPECT_EQ(answer(line), R"({"ok":false,"error":"there are 64 network faults already"})");
+}
+
+TEST_F(ControlLines, TellTheConnections) {
+    EXPECT_EQ(answer(R"({"query": "connections"})"), R"({"ok":true,"connections":[]})");
+    auto peer = registered(site);
+    cip::ForwardOpen open;
+    open.t_to_o_id = 0x0A110001;
+    open.triad = {7, 0x004D, 0x11223344};
+    open.o_to_t_rpi = open.t_to_o_rpi = 10'000;
+    open.o_to_t.size = 24;
+    open.t_to_o.size = 30;
+    open.transport = {false, 0, 1};
+    open.path = octets("20 04 24 01 2C 65 2C 64");
+    ASSERT_THAT(peer.call(cip::Request{0x54, cip::Path::to(6, 1), open.encode()}.encode()), StartsWith("D4 00 00 00"));
+    const auto told = json::parse(answer(R"({"query": "connections"})")).at("connections");
+    ASSERT_EQ(told.size(), 1U);
+    const auto& connection = told[0];
+    EXPECT_EQ(connection["number"], 1);
+    EXPECT_EQ(connection["kind"], "exclusive owner");
+    EXPECT_EQ(connection["o_to_t_point"], 101);
+    EXPECT_EQ(connection["t_to_o_point"], 100);
+    EXPECT_EQ(connection["originator"], "192.168.2.1:2222");
+    EXPECT_EQ(connection["vendor"], 77);
+    EXPECT_EQ(connection["originator_serial"], 0x11223344);
+    EXPECT_EQ(connection["serial"], 7);
+    EXPECT_EQ(connection["state"], "waiting");
+    EXPECT_EQ(connection["run"], false);
+    EXPECT_EQ(connection["trigger"], "cyclic");
+    EXPECT_EQ(connection["multicast"], false);
+    EXPECT_EQ(connection["t_to_o_interval_us"], 10'000);
+    EXPECT_EQ(connection["timeout_us"], 40'000);
+    EXPECT_EQ(connection["received"], 0);
+}
+
+TEST_F(ControlLines, TellTheCounters) {
+    auto peer = registered(site);
+    site.adapter.on_io({0xC0A80201, 2222}, Site::local, octets("00"), site.now);
+    const auto told = json::parse(answer(R"({"query": "counters"})"));
+    EXPECT_EQ(told["ok"], true);
+    EXPECT_EQ(told["tcp_connections"], 1);
+    ASSERT_EQ(told["sessions"].size(), 1U);
+    EXPECT_EQ(told["sessions"][0]["session"], peer.session());
+    EXPECT_EQ(told["sessions"][0]["peer"], "192.168.2.1:50000");
+    EXPECT_EQ(told["open_requests"], 0);
+    EXPECT_EQ(told["stray_datagrams"]["malformed"], 1);
+    EXPECT_EQ(told["faults"]["active"], 0);
+    EXPECT_EQ(told["faults"]["o_to_t"]["dropped"], 0);
+    // The handle that is told is the one that is closed.
+    EXPECT_EQ(answer(fmt::format(R"({{"event": "close-sessions", "session": {}}})", peer.session())), R"({"ok":true})");
+    EXPECT_FALSE(peer.open());
+}
+
+TEST_F(ControlLines, NameADrive) {
+    Site second{{}, device_with_fake_machine()};
+    adapter::Control both(site.adapter, drive::AxisKind{}, "127.0.1.1");
+    both.add(second.adapter, "127.0.1.2");
+    EXPECT_EQ(both.answer(R"({"event": "cut-cable", "drive": "127.0.1.2"})", site.now), R"({"ok":true})");
+    EXPECT_EQ(site.adapter.faults().active(), 0U);
+    EXPECT_EQ(second.adapter.faults().active(), 1U);
+    const auto told = json::parse(both.answer(R"({"query": "counters", "drive": "127.0.1.2"})", site.now));
+    EXPECT_EQ(told["faults"]["active"], 1);
+    EXPECT_EQ(both.answer(R"({"query": "axis", "drive": "127.0.1.3"})", site.now),
+              R"({"ok":false,"error":"column 19: 'drive' must be one of \"127.0.1.1\", \"127.0.1.2\""})");
+}
+
+TEST_F(ControlLines, StopTheProgram) {
+    const auto* line = R"({"command": "stop"})";
+    EXPECT_EQ(answer(line), R"({"ok":false,"error":"nothing here can be stopped"})");
+    bool stopped = false;
+    control.on_stop([&] { stopped = true; });
+    EXPECT_EQ(answer(line), R"({"ok":true})");
+    EXPECT_TRUE(stopped);
+    EXPECT_THAT(answer(R"({"command": "start"})"), HasSubstr("'command' must be one of \\\"stop\\\""));
+}
+
 TEST(Control, WithoutAMachineNothingCanHappen) {
     Site site;
     adapter::Control control(site.adapter, {});
     EXPECT_EQ(control.answer(R"({"event": "block-axis"})", site.now),
               R"({"ok":false,"error":"this drive has no machine that anything could happen to"})");
     EXPECT_EQ(json::parse(control.answer(R"({"query": "state"})", site.now)).at("ok"), true);
+    EXPECT_EQ(control.answer(R"({"event": "cut-cable"})", site.now), R"({"ok":true})") << "a network it has";
 }
 
 }  // namespace

@@ -10,9 +10,12 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 
+#include "enip/encapsulation.hpp"
+#include "enip/messages.hpp"
 #include "tests/adapter/tcp_client.hpp"
 #include "tests/support/octets.hpp"
 
@@ -323,6 +326,51 @@ TEST(Process, StandardInputControlsItAndItsEndEndsNothing) {
     program.signal(SIGTERM);
     EXPECT_EQ(program.wait(), 0);
     EXPECT_THAT(program.errors(), HasSubstr("event: set-input number=2 high=true\n"));
+}
+
+TEST(Process, SaysInJsonThatItIsReadyAndStopsOnCommand) {
+    Program program({"--bind", "127.0.13.1", "--count", "2", "--port", "0", "--ready-json", "--control", "-"});
+    const auto ready = nlohmann::json::parse(program.first_line(), nullptr, false);
+    ASSERT_TRUE(ready.is_object());
+    EXPECT_EQ(ready["ready"], true);
+    EXPECT_GT(ready["pid"].get<int>(), 0);
+    EXPECT_EQ(ready["control"], nlohmann::json({"-"}));
+    ASSERT_EQ(ready["drives"].size(), 2U);
+    EXPECT_EQ(ready["drives"][0]["address"], "127.0.13.1");
+    EXPECT_EQ(ready["drives"][1]["address"], "127.0.13.2");
+    EXPECT_NE(ready["drives"][0]["port"], 0);
+    EXPECT_NE(ready["drives"][0]["io_port"], 0);
+    EXPECT_EQ(ready["drives"][1]["serial_number"], ready["drives"][0]["serial_number"].get<int>() + 1);
+    program.write("{\"event\": \"cut-cable\", \"drive\": \"127.0.13.2\"}\n");
+    EXPECT_EQ(program.next_line(), "{\"ok\":true}");
+    program.write("{\"command\": \"stop\"}\n");
+    EXPECT_EQ(program.next_line(), "{\"ok\":true}");
+    EXPECT_EQ(program.wait(), 0);
+}
+
+TEST(Process, FaultsReachItsSockets) {
+    Program program({"--port", "0", "--control", "-"});
+    TcpClient client(port_in(program.first_line()));
+    ASSERT_TRUE(client.register_session());
+    const auto request = octets("0E 03 20 64 24 01 30 00");
+    const auto reply = hex("8E 00 00 00 14 00 00 00");
+    const auto control = [&](const std::string& line) {
+        program.write(line + "\n");
+        EXPECT_EQ(program.next_line(), "{\"ok\":true}") << line;
+    };
+    control(R"({"event": "delay-replies", "milliseconds": 50, "count": 1})");
+    EXPECT_EQ(hex(client.call(request)), reply) << "late, and by itself";
+    control(R"({"event": "cut-cable", "seconds": 0.05})");
+    EXPECT_EQ(hex(client.call(request)), reply) << "when the cable is back";
+    control(R"({"event": "freeze", "seconds": 0.05})");
+    EXPECT_EQ(hex(client.call(request)), reply);
+    control(R"({"event": "withhold-replies", "count": 1})");
+    const auto data = enip::SendData::unconnected(request).encode();
+    ASSERT_TRUE(client.send(
+        enip::Frame{.command = enip::Command::send_rr_data, .session = client.session(), .data = data}.encode()));
+    EXPECT_EQ(hex(client.call(request)), reply) << "the answer to the second one";
+    control(R"({"event": "restart", "seconds": 0})");
+    EXPECT_TRUE(client.closed_by_peer());
 }
 
 TEST(Process, WithoutControlStandardInputIsLeftAlone) {

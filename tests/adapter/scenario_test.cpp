@@ -65,12 +65,45 @@ TEST(Scenario, TakesEveryEventWithEveryField) {
                             "17 lose-controller", "17.5 power-cycle"));
 }
 
-TEST(Scenario, EveryEventHasAName) {
-    for (std::size_t i = 0; i < std::variant_size_v<drive::Event>; ++i) {
-        EXPECT_GT(std::ranges::count_if(event_kinds(), [&](const EventKind& kind) { return kind.event.index() == i; }),
-                  0)
-            << "event " << i;
+TEST(Scenario, TakesEveryFaultWithEveryField) {
+    EXPECT_THAT(events(R"(
+        {"at": 0, "event": "drop-io", "direction": "o_to_t", "share": 0.3, "count": 4, "seconds": 5},
+        {"at": 1, "event": "delay-io", "direction": "t_to_o", "milliseconds": 2.5, "jitter": 1},
+        {"at": 2, "event": "duplicate-io"},
+        {"at": 3, "event": "reorder-io", "count": 1},
+        {"at": 4, "event": "cut-cable", "seconds": 0.5},
+        {"at": 5, "event": "delay-replies", "milliseconds": 300, "count": 2},
+        {"at": 6, "event": "withhold-replies", "seconds": 1},
+        {"at": 7, "event": "refuse-open", "general": 1, "extended": "0x0113", "count": 3},
+        {"at": 7, "event": "refuse-open", "general": 2, "extended": 0},
+        {"at": 8, "event": "close-sessions", "session": "0x12345678"},
+        {"at": 9, "event": "freeze", "seconds": 2},
+        {"at": 10, "event": "restart"},
+        {"at": 11, "event": "restore-network"})"),
+                ElementsAre("0 drop-io direction=o_to_t share=0.3 count=4 seconds=5",
+                            "1 delay-io direction=t_to_o milliseconds=2.5 jitter=1 share=1 count=0 seconds=0",
+                            "2 duplicate-io direction=both share=1 count=0 seconds=0",
+                            "3 reorder-io direction=both share=1 count=1 seconds=0", "4 cut-cable seconds=0.5",
+                            "5 delay-replies milliseconds=300 count=2 seconds=0",
+                            "6 withhold-replies count=0 seconds=1", "7 refuse-open general=0x01 extended=0x113 count=3",
+                            "7 refuse-open general=0x02 extended=0x00 count=1", "8 close-sessions session=0x12345678",
+                            "9 freeze seconds=2", "10 restart seconds=1", "11 restore-network"));
+}
+
+template <class Event>
+void every_one_has_a_name() {
+    for (std::size_t i = 0; i < std::variant_size_v<Event>; ++i) {
+        const auto named = std::ranges::count_if(event_kinds(), [&](const EventKind& kind) {
+            const auto* event = std::get_if<Event>(&kind.event);
+            return event != nullptr && event->index() == i;
+        });
+        EXPECT_GT(named, 0) << "event " << i;
     }
+}
+
+TEST(Scenario, EveryEventHasAName) {
+    every_one_has_a_name<drive::Event>();
+    every_one_has_a_name<NetworkFault>();
     for (const auto& kind : event_kinds()) EXPECT_EQ(find_event_kind(kind.name), &kind);
 }
 
@@ -158,6 +191,15 @@ INSTANTIATE_TEST_SUITE_P(
                     Limit{R"("at": 1, "event": "push-axis", "force")", "-1e5", "-100001"},
                     Limit{R"("at": 1, "event": "set-input", "number")", "12", "13"},
                     Limit{R"("at": 1, "event": "set-input", "number")", "1", "0"},
+                    Limit{R"("at": 1, "event": "drop-io", "share")", "1", "1.1"},
+                    Limit{R"("at": 1, "event": "drop-io", "count")", "1000000", "1000001"},
+                    Limit{R"("at": 1, "event": "drop-io", "seconds")", "86400", "86401"},
+                    Limit{R"("at": 1, "event": "delay-io", "milliseconds")", "60000", "60001"},
+                    Limit{R"("at": 1, "event": "refuse-open", "extended")", "65535", "65536"},
+                    Limit{R"("at": 1, "event": "refuse-open", "extended")", "\"0xFFFF\"", "\"0x10000\""},
+                    Limit{R"("at": 1, "event": "refuse-open", "extended")", "\"0\"", "\"0x\""},
+                    Limit{R"("at": 1, "event": "refuse-open", "extended": 1, "general")", "1", "0"},
+                    Limit{R"("at": 1, "event": "refuse-open", "extended": 1, "count")", "1", "0"},
                     Limit{R"("at": 1, "event": "set-supply", "volts")", "100", "100.5"},
                     Limit{R"("at": 1, "event": "turn-master", "speed")", "-1e7", "-10000001"},
                     Limit{R"("at": 1, "event": "set-temperature", "celsius")", "150", "151"},
