@@ -563,10 +563,11 @@ void Adapter::reset(enip::Time now) {
                                                     : "factory defaults and restart: all connections are closed");
     shut_down();
     if (type == ResetType::factory_defaults) {
-        // The address itself is the host's (R-DHC-5); everything that a client can set goes back.
+        // Addresses and ports are the host's (R-DHC-5); everything that a client can set goes back.
         NetworkSettings defaults;
         defaults.interface = network_.interface;
         defaults.mac = network_.mac;
+        defaults.io_port = network_.io_port;
         defaults.ring = network_.ring;
         defaults.last_conflict = network_.last_conflict;
         network_ = defaults;
@@ -597,6 +598,7 @@ bool Adapter::inject(const Happening& event, enip::Time now) {
     advance(now);
     const bool taken = apply(event, now);
     take_held_octets(now);
+    manager_->io().note_changes(faults_.bus_time(now));
     return taken;
 }
 

@@ -97,7 +97,7 @@ ConnectionManager::ConnectionManager(cip::MessageRouter& router, cip::NodeIdenti
     : router_(router),
       node_(node),
       log_(std::move(log)),
-      ids_(incarnation),
+      ids_(incarnation, [this](std::uint32_t id) { return io_.uses(id) || explicit_.uses(id); }),
       explicit_(ids_, node_, limits),
       io_(drive, network, ids_, limits, log_) {}
 

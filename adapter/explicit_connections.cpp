@@ -70,9 +70,7 @@ OpenResult<const ExplicitConnection*> ExplicitConnections::open(const cip::Forwa
     if (const auto sound = check(open); !sound) return sound.error();
     ExplicitConnection connection;
     connection.number = number;
-    do {
-        connection.o_to_t_id = ids_.next();
-    } while (uses(connection.o_to_t_id));
+    connection.o_to_t_id = ids_.next();
     connection.t_to_o_id = open.t_to_o_id;
     connection.triad = open.triad;
     connection.session = origin.session;

@@ -93,7 +93,7 @@ OpenResult<const IoConnection*> IoConnections::open(const cip::ForwardOpen& requ
     connection->number = number;
     connection->kind = wanted.connection;
     connection->request = request;
-    connection->o_to_t_id = choose_id();
+    connection->o_to_t_id = ids_.next();
     connection->originator = {origin.address, sockets->receive_port};
     const auto interval = microseconds(request.o_to_t_rpi);
     connection->consumer = enip::IoConsumer({.format = wanted.connection->o_to_t_format(),
@@ -229,7 +229,7 @@ Production& IoConnections::produce(const cip::ForwardOpen& request, const IoOpen
     const enip::Endpoint peer =
         multicast ? group_of(layout, origin.local_address) : enip::Endpoint{origin.address, sockets.receive_port};
     const auto interval = microseconds(request.t_to_o_rpi);
-    enip::IoProducer::Settings settings{.connection_id = multicast ? choose_id() : request.t_to_o_id,
+    enip::IoProducer::Settings settings{.connection_id = multicast ? ids_.next() : request.t_to_o_id,
                                         .format = wanted.connection->t_to_o_format(),
                                         .data_octets = layout.size(),
                                         .interval = interval,
@@ -274,12 +274,6 @@ enip::Endpoint IoConnections::group_of(const assemblies::Layout& layout, std::ui
         ++group;
     }
     return {group, enip::io_port};
-}
-
-std::uint32_t IoConnections::choose_id() {
-    std::uint32_t id = ids_.next();
-    while (uses(id)) id = ids_.next();
-    return id;
 }
 
 bool IoConnections::uses(std::uint32_t id) const {
@@ -346,7 +340,10 @@ void IoConnections::on_datagram(enip::Endpoint peer, cip::ByteView octets, enip:
 
 void IoConnections::take(IoConnection& connection, const enip::IoPacket& packet, enip::Time now) {
     // A datagram does not revive a connection whose time is over; the timer ends it.
-    if (connection.consumer.deadline() <= now) return;
+    if (connection.consumer.deadline() <= now) {
+        ++strays_.too_late;
+        return;
+    }
     const auto arrival = connection.consumer.take(packet, now);
     using Verdict = enip::IoConsumer::Verdict;
     if (arrival.verdict == Verdict::stale || arrival.verdict == Verdict::wrong_size || !connection.is_owner()) return;

@@ -54,6 +54,7 @@ struct StrayCounters {
     std::uint64_t malformed = 0;
     std::uint64_t unknown_id = 0;
     std::uint64_t wrong_source = 0;
+    std::uint64_t too_late = 0;  ///< the time of its connection is over
 };
 
 class IoConnections {
@@ -104,7 +105,6 @@ private:
     [[nodiscard]] Production& produce(const cip::ForwardOpen& request, const IoOpen& wanted, const cip::Origin& origin,
                                       const Sockets& sockets);
     void reply_with_sockets(const IoConnection& connection, const Sockets& sockets, const cip::Origin& origin) const;
-    [[nodiscard]] std::uint32_t choose_id();
     [[nodiscard]] enip::Endpoint group_of(const assemblies::Layout& layout, std::uint32_t local) const;
 
     void take(IoConnection& connection, const enip::IoPacket& packet, enip::Time now);

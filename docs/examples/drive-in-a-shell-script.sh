@@ -8,7 +8,7 @@ address=${2:-127.0.0.1}
 
 # Control lines go to its standard input and answers come from its standard output, behind the line that says ready.
 coproc drive { exec "$bin/servobus-adapter" --bind "$address" --port 0 --log-level error --ready-json --control -; }
-pid=$drive_PID
+pid=$!
 trap 'kill "$pid" 2>/dev/null || true' EXIT
 read -r -t 10 ready <&"${drive[0]}"
 [[ $ready =~ \"port\":([0-9]+) ]]

@@ -184,5 +184,83 @@ TEST(ForwardCloseReply, R_CON_34_layout) {
     EXPECT_EQ(error_of(ForwardCloseReply::parse(test::operator+(whole, {0}))), DecodeError::trailing);
 }
 
+// ------------------------------------------------------------------------------------------- intervals in a refusal
+
+Status refused(std::string_view words) {
+    Status status{GeneralStatus::connection_failure, {}};
+    const auto bytes = octets(words);
+    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+        status.extended.push_back(static_cast<std::uint16_t>(bytes[i] | bytes[i + 1] << 8));
+    }
+    return status;
+}
+
+TEST(RpiRefusal, R_CON_14_six_words) {
+    const RpiRefusal both{RpiKind::minimum, RpiKind::maximum, 1000, 3'200'000};
+    EXPECT_EQ(both.status(), refused("1201 0203 E8030000 00D43000"));
+    EXPECT_EQ(RpiRefusal::from(both.status()), both);
+    const RpiRefusal joins{RpiKind::acceptable, RpiKind::required, 0xFFFFFFFF, 0x00010000};
+    EXPECT_EQ(joins.status(), refused("1201 0004 FFFFFFFF 00000100"));
+    EXPECT_EQ(RpiRefusal::from(joins.status()), joins);
+}
+
+TEST(RpiRefusal, R_CON_14_longer_is_read_and_shorter_says_nothing) {
+    EXPECT_TRUE(RpiRefusal::from(refused("1201 0203 E8030000 00D43000 0000")));
+    for (const auto* words : {"", "1201", "1201 0203", "1201 0203 E803", "1201 0203 E8030000 00D4"}) {
+        EXPECT_FALSE(RpiRefusal::from(refused(words))) << words;
+    }
+}
+
+TEST(RpiRefusal, R_CON_14_is_of_0x0112_alone) {
+    EXPECT_FALSE(RpiRefusal::from(refused("1101 0203 E8030000 00D43000")));
+    auto other = refused("1201 0203 E8030000 00D43000");
+    other.general = GeneralStatus::vendor_specific;
+    EXPECT_FALSE(RpiRefusal::from(other));
+    EXPECT_FALSE(RpiRefusal::from(Status{}));
+}
+
+TEST(RpiRefusal, R_CON_14_kinds_that_nobody_has_defined_are_kept) {
+    const auto read = RpiRefusal::from(refused("1201 FF05 E8030000 00D43000"));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(static_cast<unsigned>(read->o_to_t_kind), 0xFFU);
+    EXPECT_EQ(static_cast<unsigned>(read->t_to_o_kind), 5U);
+}
+
+// -------------------------------------------------------------------------------------------- production inhibit time
+
+std::optional<std::uint32_t> inhibit_in(std::string_view path) {
+    return production_inhibit_time(Path::parse(octets(path)).value());
+}
+
+TEST(ProductionInhibitTime, R_CON_51_in_milliseconds_and_microseconds) {
+    EXPECT_EQ(inhibit_in("43 05 20 04 24 01 2C 65 2C 64"), 5000U);
+    EXPECT_EQ(inhibit_in("20 04 43 00 2C 65 2C 64"), 0U);
+    EXPECT_EQ(inhibit_in("20 04 2C 65 2C 64 43 FF"), 255'000U);
+    EXPECT_EQ(inhibit_in("34 04 6D05 2B00 0975 01 01 51 02 88130000 20 04"), 5000U);
+    EXPECT_EQ(inhibit_in("51 02 FFFFFFFF"), 0xFFFFFFFFU);
+    EXPECT_EQ(inhibit_in("43 02 51 02 88130000"), 2000U) << "the first counts";
+}
+
+TEST(ProductionInhibitTime, R_CON_51_none) {
+    EXPECT_EQ(inhibit_in("20 04 24 01 2C 65 2C 64"), std::nullopt);
+    EXPECT_EQ(inhibit_in("41 05 42 05 20 04"), std::nullopt) << "schedule and fixed tag";
+    EXPECT_EQ(inhibit_in("51 01 8813 20 04"), std::nullopt) << "of another size";
+    EXPECT_EQ(inhibit_in("51 03 881300000000 43 07"), 7000U) << "and the search goes on";
+    EXPECT_EQ(production_inhibit_time(Path{}), std::nullopt);
+}
+
+TEST(ProductionInhibitTime, R_CON_51_is_written_as_short_as_it_can_be) {
+    const auto written = [](std::uint32_t time) { return hex(Path({production_inhibit_segment(time)}).encode()); };
+    EXPECT_EQ(written(0), hex("43 00"));
+    EXPECT_EQ(written(1000), hex("43 01"));
+    EXPECT_EQ(written(255'000), hex("43 FF"));
+    EXPECT_EQ(written(256'000), hex("51 02 00E80300"));
+    EXPECT_EQ(written(1001), hex("51 02 E9030000"));
+    EXPECT_EQ(written(999), hex("51 02 E7030000"));
+    for (const std::uint32_t time : {0U, 1U, 1000U, 254'999U, 255'000U, 255'001U, 3'200'000U, 0xFFFFFFFFU}) {
+        EXPECT_EQ(production_inhibit_time(Path({production_inhibit_segment(time)})), time);
+    }
+}
+
 }  // namespace
 }  // namespace servobus::cip

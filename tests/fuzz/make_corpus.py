@@ -55,6 +55,8 @@ def seeds(vectors):
             continue
         if vector["port"] == 2222:
             yield "fuzz_common_packet", octets
+            if requested:
+                yield "fuzz_adapter", WHOLE + octets
             continue
         yield "fuzz_frame_decoder", WHOLE + octets
         yield "fuzz_common_packet", octets[HEADER:]

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cip/forward_open.hpp"
 #include "enip/common_packet.hpp"
 #include "enip/frame_decoder.hpp"
 #include "enip/messages.hpp"
@@ -209,6 +210,132 @@ TEST(Mutation, a_device_survives_every_golden_vector_on_udp) {
         });
     }
     device.answers_a_good_request();
+}
+
+/// A device with an owner and one that looks on, whose time is not over soon.
+class Connected {
+public:
+    Connected() {
+        harness_.register_session();
+        // Multiplier 512, 100 ms; the T->O data of both is the same multicast.
+        owner_ = open("0100", "1848", "2C 65 2C 64");
+        looker_ = open("0200", "0248", "2C FE 2C 64");
+        EXPECT_EQ(harness_.adapter().io().size(), 2U);
+    }
+
+    AdapterHarness& harness() { return harness_; }
+    const adapter::IoConnections& io() { return harness_.adapter().io(); }
+    std::uint32_t owner() const { return owner_; }
+
+    void survive_datagram(ByteView mutated, std::uint32_t id) {
+        Bytes octets(mutated.begin(), mutated.end());
+        if (octets.size() >= 10 && cip::Reader(ByteView(octets).subspan(6)).u32() >> 16 == 0x56A0) {
+            for (std::size_t k = 0; k < 4; ++k) octets[6 + k] = static_cast<std::uint8_t>(id >> (8 * k));
+        }
+        harness_.io(octets);
+        test::require(harness_.produced().empty(), "a datagram is not answered", octets);
+        holds(octets);
+    }
+
+    /// The data portion of a SendRRData. What it opens is closed again.
+    void survive_request(ByteView mutated) {
+        harness_.send(enip::Frame{.command = enip::Command::send_rr_data,
+                                  .session = harness_.session(),
+                                  .data = {mutated.begin(), mutated.end()}}
+                          .encode());
+        const auto reply = harness_.frame();
+        test::require(reply.has_value(), "every request is answered", mutated);
+        test::require(io().size() <= 3, "one request opens one connection", mutated);
+        if (io().size() == 3) ++opened_;
+        while (io().size() > 2) {
+            const auto triad = io().all().back()->request.triad;
+            cip::ForwardClose wanted;
+            wanted.triad = triad;
+            const auto answer = harness_.call(cip::Request{0x4E, cip::Path::to(6, 1), wanted.encode()}.encode());
+            test::require(answer.size() > 2 && answer[2] == 0, "what is open can be closed", mutated);
+        }
+        holds(mutated);
+    }
+
+    void still_works() {
+        (void)harness_.produced();
+        harness_.advance(std::chrono::milliseconds(100));
+        EXPECT_EQ(harness_.produced().size(), 1U) << "one producer for both";
+        EXPECT_EQ(harness_.call("0E 03 20 01 24 01 30 01"), "8E 00 00 00 6D 05");
+    }
+    unsigned opened() const { return opened_; }
+
+private:
+    std::uint32_t open(std::string_view serial, std::string_view o_to_t, std::string_view points) {
+        const auto reply = harness_.call(test::octets(
+            "54 02 20 06 24 01 0A 0E 00000000 00000000" + std::string(serial) + "4D00 44332211 07 000000 A0860100" +
+            std::string(o_to_t) + "A0860100 1E28 01 04 20 04 24 01" + std::string(points)));
+        const auto response = cip::Response::parse(reply);
+        test::require(response && response->status.ok(), "the connection opens", reply);
+        return cip::ForwardOpenReply::parse(response->data).value().o_to_t_id;
+    }
+    void holds(ByteView octets) {
+        test::require(io().size() == 2 && io().owner() != nullptr, "the two connections stay", octets);
+        test::require(io().all()[0]->o_to_t_id == owner_ && io().all()[1]->o_to_t_id == looker_,
+                      "and they are the same", octets);
+        test::require(harness_.adapter().class3_connections() == 0, "and nobody else comes", octets);
+    }
+
+    AdapterHarness harness_;
+    std::uint32_t owner_ = 0;
+    std::uint32_t looker_ = 0;
+    unsigned opened_ = 0;
+};
+
+TEST(Mutation, a_device_with_connections_survives_every_datagram) {
+    Connected device;
+    unsigned mutations = 0;
+    for (const auto& vector : golden_vectors()) {
+        if (!vector.is_io_datagram()) continue;
+        for (const std::uint32_t id : {device.owner(), device.owner() + 1}) {
+            mutations +=
+                for_each_mutation(vector.octets, [&](ByteView octets) { device.survive_datagram(octets, id); });
+        }
+        device.still_works();
+    }
+    EXPECT_GT(mutations, 10'000U);
+    const auto& strays = device.io().strays();
+    EXPECT_GT(strays.malformed, 1000U);
+    EXPECT_GT(strays.unknown_id, 1000U);
+    const auto& counters = device.io().owner()->consumer.counters();
+    EXPECT_GT(counters.wrong_size, 100U);
+    EXPECT_GT(counters.accepted, 10U);
+    EXPECT_GT(counters.stale, 100U);
+}
+
+TEST(Mutation, a_device_with_connections_survives_every_open_of_class_1) {
+    Connected device;
+    const auto item = [](enip::ItemType type) {
+        return enip::Item{type, enip::SocketAddress{.port = 3000, .address = 0xC0A80201}.encode()};
+    };
+    const std::string head = "02 20 06 24 01 0A 0E 00000000 0300110A 0300 4D00 44332211 02 000000 ";
+    const std::string key = "34 04 6D05 2B00 0975 81 01 ";
+    const std::vector<std::string> opens{
+        "54" + head + "A0860100 0248 A0860100 1E48 01 09" + key + "20 04 24 01 2C FE 2C 64",
+        "54" + head + "A0860100 0248 A0860100 1E28 01 04 20 04 24 01 2C FE 2C 64",
+        "54" + head + "A0860100 0248 A0860100 1E28 01 04 20 04 24 01 2C FF 2C 64",
+        "54" + head + "A0860100 0248 A0860100 2248 11 0A" + key + "43 05 20 04 24 01 2C FE 2C 69",
+        "54" + head + "A0860100 0248 A0860100 2A48 21 08 20 04 24 01 51 02 88130000 2C FE 2D 00 71 00",
+        "54" + head + "A0860100 1848 A0860100 1E48 01 04 20 04 24 01 2C 65 2C 64",
+        "5B" + head + "A0860100 02000048 A0860100 1E000028 01 04 20 04 24 01 2C FE 2C 64"};
+    unsigned mutations = 0;
+    for (const auto& open : opens) {
+        SCOPED_TRACE(open);
+        auto data = enip::SendData::unconnected(test::octets(open));
+        if (open == opens.front()) {
+            data.packet.items.push_back(item(enip::ItemType::sockaddr_t_to_o));
+            data.packet.items.push_back(item(enip::ItemType::sockaddr_o_to_t));
+        }
+        mutations += for_each_mutation(data.encode(), [&](ByteView octets) { device.survive_request(octets); });
+        device.still_works();
+    }
+    EXPECT_GT(mutations, 4'000U);
+    EXPECT_GT(device.opened(), 1000U) << "most octets may be others";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "adapter/assembly_object.hpp"
 #include "adapter/parameter_object.hpp"
+#include "cip/connection_data.hpp"
 #include "cip/forward_open.hpp"
 #include "cip/message.hpp"
 #include "cip/message_router.hpp"
@@ -20,6 +21,7 @@
 #include "drive/xenax.hpp"
 #include "enip/common_packet.hpp"
 #include "enip/encapsulation.hpp"
+#include "enip/io_packet.hpp"
 #include "enip/messages.hpp"
 #include "tests/support/octets.hpp"
 
@@ -54,6 +56,8 @@ inline void decode_everything(cip::ByteView octets) {
     each("forward close", [](auto bytes) { return cip::ForwardClose::parse(bytes); });
     each("forward close reply", [](auto bytes) { return cip::ForwardCloseReply::parse(bytes); });
     each("refusal", [](auto bytes) { return cip::ConnectionRefusal::parse(bytes); });
+    each("connection data", [](auto bytes) { return cip::ConnectionData::parse(bytes); });
+    each("connection owner", [](auto bytes) { return cip::ConnectionOwner::parse(bytes); });
     each("unconnected send", [](auto bytes) { return cip::UnconnectedSend::parse(bytes); });
     each("common packet", [](auto bytes) { return enip::CommonPacket::parse(bytes); });
     each("socket address", [](auto bytes) { return enip::SocketAddress::parse(bytes); });
@@ -67,9 +71,18 @@ inline void decode_everything(cip::ByteView octets) {
         (void)enip::unconnected_message(*data);
         (void)enip::connected_message(*data);
     }
+    if (const auto packet = enip::IoPacket::parse(octets)) {
+        require(packet->data.size() + enip::io_packet_overhead <= octets.size(), "the data is in the datagram", octets);
+    }
     (void)cip::RequestPath::parse(octets);
-    if (const auto path = cip::Path::parse(octets)) (void)describe(*path);
-    if (const auto response = cip::Response::parse(octets)) (void)describe(response->status);
+    if (const auto path = cip::Path::parse(octets)) {
+        (void)describe(*path);
+        (void)cip::production_inhibit_time(*path);
+    }
+    if (const auto response = cip::Response::parse(octets)) {
+        (void)describe(response->status);
+        (void)cip::RpiRefusal::from(response->status);
+    }
     cip::Reader strings(octets);
     (void)cip::read_stringi(strings);
 }
