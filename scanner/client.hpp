@@ -15,10 +15,9 @@
 #include "drive/parameter.hpp"
 #include "drive/store.hpp"
 #include "enip/asio/completion.hpp"
-#include "enip/common_packet.hpp"
 #include "enip/encapsulation.hpp"
-#include "enip/endpoint.hpp"
 #include "scanner/error.hpp"
+#include "scanner/exchange.hpp"
 #include "scanner/reading.hpp"
 
 namespace servobus::scanner {
@@ -46,18 +45,6 @@ struct ClientOptions {
 struct CallOptions {
     /// Instead of ClientOptions::timeout.
     std::optional<std::chrono::milliseconds> timeout{};
-};
-
-/// A response, and the items that came beside it (R-CPF-8).
-struct Exchange {
-    cip::Response response{};
-    std::vector<enip::Item> items{};
-};
-
-/// Both ends of a TCP connection; zeros when it is not over IPv4.
-struct TcpEnds {
-    enip::Endpoint local;
-    enip::Endpoint remote;
 };
 
 /// A client for any EtherNet/IP adapter. Every operation takes a completion token (a callback, use_future,

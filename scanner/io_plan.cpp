@@ -17,6 +17,8 @@ std::uint32_t microseconds(std::chrono::microseconds time) {
         std::clamp<std::int64_t>(time.count(), 0, std::numeric_limits<std::uint32_t>::max()));
 }
 
+cip::Path connection_manager() { return cip::Path::to(cip::class_id::connection_manager, 1); }
+
 IoDirection direction(std::uint32_t point, const assemblies::Layout* layout, cip::RealTimeFormat format) {
     IoDirection made;
     made.point = point;
@@ -70,6 +72,18 @@ cip::ForwardOpen IoPlan::forward_open(std::uint32_t o_to_t_id, std::uint32_t t_t
     open.transport = {.trigger = static_cast<std::uint8_t>(trigger), .transport_class = 1};
     open.path = path().encode();
     return open;
+}
+
+cip::Request open_request(const cip::ForwardOpen& open) {
+    const auto service = open.large ? cip::service::large_forward_open : cip::service::forward_open;
+    return {service, connection_manager(), open.encode()};
+}
+
+cip::Request close_request(const cip::ForwardOpen& open) {
+    cip::ForwardClose close;
+    close.triad = open.triad;
+    close.path = open.path;
+    return {cip::service::forward_close, connection_manager(), close.encode()};
 }
 
 IoPlan plan_of(const assemblies::Connection& connection) {

@@ -9,6 +9,7 @@
 #include "assemblies/connection.hpp"
 #include "cip/bytes.hpp"
 #include "cip/forward_open.hpp"
+#include "cip/message.hpp"
 #include "cip/path.hpp"
 #include "cip/real_time_format.hpp"
 #include "enip/io_stream.hpp"
@@ -56,6 +57,11 @@ struct IoPlan {
                                                 const cip::ConnectionTriad& triad) const;
     friend bool operator==(const IoPlan&, const IoPlan&) = default;
 };
+
+/// The services of the connection manager that these ask for.
+[[nodiscard]] cip::Request open_request(const cip::ForwardOpen& open);
+/// Of the same triad and path (R-CON-34).
+[[nodiscard]] cip::Request close_request(const cip::ForwardOpen& open);
 
 /// A connection of the XENAX, at 10 ms, point-to-point.
 [[nodiscard]] IoPlan plan_of(const assemblies::Connection& connection);

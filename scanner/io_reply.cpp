@@ -9,6 +9,10 @@ namespace {
 
 using std::chrono::microseconds;
 
+error_code error_of(cip::DecodeError error) {
+    return make_error_code(error == cip::DecodeError::truncated ? Error::missing_data : Error::unexpected_data);
+}
+
 boost::system::result<std::optional<enip::SocketAddress>> socket_address(std::span<const enip::Item> items,
                                                                          enip::ItemType type) {
     const auto is_wanted = [&](const enip::Item& item) { return item.type == type; };
@@ -38,7 +42,7 @@ boost::system::result<enip::Endpoint> group_of(const std::optional<enip::SocketA
 boost::system::result<IoGrant> check_open_reply(const IoPlan& plan, const cip::ForwardOpen& request, cip::ByteView data,
                                                 std::span<const enip::Item> items, enip::Endpoint peer) {
     auto reply = cip::ForwardOpenReply::parse(data);
-    if (!reply) return make_error_code(Error::missing_data);
+    if (!reply) return error_of(reply.error());
     if (reply->triad != request.triad) return make_error_code(Error::wrong_connection);
     if (!is_possible(reply->o_to_t_api, plan.o_to_t) || !is_possible(reply->t_to_o_api, plan.t_to_o)) {
         return make_error_code(Error::bad_interval);
@@ -74,7 +78,7 @@ error_code check_refusal(const cip::ConnectionTriad& triad, const cip::Response&
 
 error_code check_close_reply(const cip::ConnectionTriad& triad, cip::ByteView data) {
     const auto reply = cip::ForwardCloseReply::parse(data);
-    if (!reply) return make_error_code(Error::missing_data);
+    if (!reply) return error_of(reply.error());
     return reply->triad == triad ? error_code{} : make_error_code(Error::wrong_connection);
 }
 

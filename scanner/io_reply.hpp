@@ -30,7 +30,7 @@ struct IoGrant {
     std::optional<enip::Endpoint> group{};  ///< where multicast T->O comes to
 };
 
-/// `peer` is the target's end of the TCP connection. The errors are missing_data, wrong_connection, bad_interval and
+/// `peer` is the target's end of the TCP connection. The errors are missing_data, unexpected_data, wrong_connection, bad_interval and
 /// bad_socket_address.
 [[nodiscard]] boost::system::result<IoGrant> check_open_reply(const IoPlan& plan, const cip::ForwardOpen& request,
                                                               cip::ByteView data, std::span<const enip::Item> items,

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/asio/error.hpp>
+#include <boost/system/errc.hpp>
 #include <utility>
-
-#include "cip/services.hpp"
 
 namespace servobus::scanner {
 namespace {
@@ -18,15 +16,6 @@ constexpr std::array<std::uint8_t, 4> dscp_of_priority{31, 43, 47, 55};
 constexpr std::uint8_t multicast_ttl = 1;
 /// O->T goes out on a change at most this many times in an interval (R-CON-52).
 constexpr int sends_per_interval = 4;
-
-cip::Path connection_manager() { return cip::Path::to(cip::class_id::connection_manager, 1); }
-
-cip::Request close_request(const cip::ForwardOpen& open) {
-    cip::ForwardClose close;
-    close.triad = open.triad;
-    close.path = open.path;
-    return {cip::service::forward_close, connection_manager(), close.encode()};
-}
 
 bool is_failure(const cip::Status& status, cip::ConnectionFailure failure) {
     return status.general == cip::GeneralStatus::connection_failure && !status.extended.empty() &&
@@ -150,7 +139,8 @@ void IoSession::ask(const TcpEnds& ends, enip::Time now) {
     }
     if (!plan.is_null()) {
         if (ends.remote.address == 0) {  // over IPv6, which has no class 1
-            fail({.reason = CloseReason::no_socket, .error = boost::asio::error::address_family_not_supported}, now);
+            using boost::system::errc::address_family_not_supported;
+            fail({.reason = CloseReason::no_socket, .error = make_error_code(address_family_not_supported)}, now);
             return;
         }
         const auto receiver = surroundings_.listen(ends.local.address);
@@ -175,14 +165,12 @@ void IoSession::ask(const TcpEnds& ends, enip::Time now) {
 }
 
 void IoSession::send_open() {
-    const auto service = request_->large ? cip::service::large_forward_open : cip::service::forward_open;
     std::vector<enip::Item> items;
     const bool has_port = options_.plan.t_to_o.type == cip::ConnectionType::point_to_point;
     if (has_port && (receiver_.port != enip::io_port || options_.always_name_port)) {
         items.push_back({enip::ItemType::sockaddr_t_to_o, enip::SocketAddress{.port = receiver_.port}.encode()});
     }
-    surroundings_.request(await(Awaited::open_reply), {service, connection_manager(), request_->encode()},
-                          std::move(items));
+    surroundings_.request(await(Awaited::open_reply), open_request(*request_), std::move(items));
 }
 
 void IoSession::on_reply(std::uint64_t ticket, error_code error, const Exchange& exchange, enip::Time now) {

@@ -14,7 +14,7 @@
 #include "enip/io_queue.hpp"
 #include "enip/io_stream.hpp"
 #include "enip/time.hpp"
-#include "scanner/client.hpp"
+#include "scanner/exchange.hpp"
 #include "scanner/io_events.hpp"
 #include "scanner/io_numbers.hpp"
 #include "scanner/io_reply.hpp"

@@ -326,6 +326,7 @@ void Originator::Impl::replace(Link& link, std::uint64_t life) {
     link.state = Link::State::idle;
     link.client = Client(executor_, link.options);
     if (!link.waiting.empty()) start(link);
+    stop_keeping_alive();
 }
 
 void Originator::Impl::finish_idle_links() {
@@ -337,6 +338,7 @@ void Originator::Impl::finish_idle_links() {
         if (link->state != Link::State::ready || std::ranges::any_of(connections_, needs)) continue;
         finish(*link);
     }
+    stop_keeping_alive();
 }
 
 void Originator::Impl::finish(Link& link) {

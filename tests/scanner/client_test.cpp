@@ -621,5 +621,52 @@ TEST(Client, FindsAHostByName) {
     EXPECT_EQ(*result, error_code());
 }
 
+TEST(Client, ExchangesItemsBesideTheMessages) {  // R-CPF-8
+    const enip::Item asked{enip::ItemType::sockaddr_t_to_o, enip::SocketAddress{.port = 50'000}.encode()};
+    const enip::Item answered{enip::ItemType::sockaddr_o_to_t, enip::SocketAddress{.port = 3333}.encode()};
+    FakeServer server(after_registration([&](Peer& peer, const enip::Frame& frame) {
+        const auto data = enip::SendData::parse(frame.data);
+        ASSERT_TRUE(data && data->packet.items.size() == 3);
+        EXPECT_EQ(data->packet.items[2], asked);
+        auto reply = enip::SendData::unconnected(twenty.encode());
+        reply.packet.items.push_back(answered);
+        peer.send(frame.reply(enip::EncapsulationStatus::success, reply.encode()));
+    }));
+    Harness harness(server);
+    std::optional<Exchange> result;
+    harness.client.async_exchange(read_scurve, {asked}, {}, [&](error_code error, Exchange exchange) {
+        EXPECT_EQ(error, error_code());
+        result = std::move(exchange);
+    });
+    harness.run([&] { return result.has_value(); });
+    EXPECT_EQ(result->response, twenty);
+    EXPECT_EQ(result->items, std::vector{answered});
+}
+
+TEST(Client, KnowsTheEndsOfItsConnection) {
+    FakeServer server(answering([](const auto&) { return twenty; }));
+    Harness harness;
+    EXPECT_FALSE(harness.client.ends());
+    ASSERT_EQ(harness.connect(server.port()), error_code());
+    const auto ends = harness.client.ends();
+    ASSERT_TRUE(ends);
+    EXPECT_EQ(ends->remote, (enip::Endpoint{0x7F000001, server.port()}));
+    EXPECT_EQ(ends->local.address, 0x7F000001U);
+    EXPECT_NE(ends->local.port, 0);
+    harness.close();
+    EXPECT_FALSE(harness.client.ends());
+}
+
+TEST(Client, KeepsItsSessionAliveWithoutAnAnswer) {  // R-ENC-24
+    FakeServer server(after_registration([](Peer& peer, const enip::Frame& frame) {
+        if (frame.command == enip::Command::send_rr_data) peer.send(reply_with(frame, twenty));
+    }));
+    Harness harness(server);
+    harness.client.keep_alive();
+    EXPECT_EQ(harness.call().response, twenty);
+    EXPECT_EQ(server.commands(),
+              (std::vector{enip::Command::register_session, enip::Command::nop, enip::Command::send_rr_data}));
+}
+
 }  // namespace
 }  // namespace servobus::scanner
