@@ -10,7 +10,7 @@ namespace servobus::enip {
 struct Endpoint {
     std::uint32_t address = 0;
     std::uint16_t port = 0;
-    friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
+    friend auto operator<=>(const Endpoint&, const Endpoint&) = default;  // NOLINT(modernize-use-nullptr): misread
 };
 
 /// `192.168.2.100:44818`.

@@ -186,6 +186,15 @@ private:
         list_verb.add_flag("--commands", list_.commands, "Direct commands instead of parameters");
         on(list_verb, [this] { return list(console_, list_); });
 
+        auto& doctor_verb = add_verb("doctor", "Say why I/O connections in a capture did not open, or do not work",
+                                     "  servobus-scanner doctor machine.pcapng\n"
+                                     "  servobus-scanner doctor machine.pcap --json\n",
+                                     false);
+        doctor_verb.add_option("FILE", word_, "A capture of Wireshark or tcpdump: pcapng or pcap")
+            ->required()
+            ->type_name("");
+        on(doctor_verb, [this] { return doctor(console_, word_); });
+
         auto& completion_verb = add_verb("completion", "Print a script that makes a shell complete commands",
                                          "  source <(servobus-scanner completion bash)\n"
                                          "  source <(servobus-scanner completion zsh)\n"

@@ -37,5 +37,6 @@ ExitCode command(const Console& console, const Settings& settings, const std::st
 ExitCode call(const Console& console, const Settings& settings, const std::string& host, const std::string& service,
               const std::string& path, const std::vector<std::string>& data);
 ExitCode list(const Console& console, const ListArguments& arguments);
+ExitCode doctor(const Console& console, const std::string& file);
 
 }  // namespace servobus::scanner::cli
