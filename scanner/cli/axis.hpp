@@ -10,6 +10,7 @@
 #include "scanner/cli/axis_runner.hpp"
 #include "scanner/cli/console.hpp"
 #include "scanner/cli/exit_code.hpp"
+#include "scanner/cli/io_options.hpp"
 #include "scanner/cli/link.hpp"
 
 namespace servobus::scanner::cli {
@@ -21,6 +22,8 @@ struct AxisOptions {
     std::vector<std::string> traces{};  ///< files for a recording
     Time interval = std::chrono::milliseconds(2);
     std::optional<Time> duration{};  ///< of a recording, at least
+    bool io = false;                 ///< over an I/O connection instead of explicit messages
+    ConnectionArguments connection{};
 };
 
 struct AxisOutcome {

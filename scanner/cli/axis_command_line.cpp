@@ -10,6 +10,7 @@
 
 #include "drive/text.hpp"
 #include "scanner/cli/duration.hpp"
+#include "scanner/cli/io_command_line.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -112,6 +113,7 @@ void AxisCommandLine::add_to(CLI::App& app, const std::function<void(CLI::App&)>
         "  servobus-scanner axis 192.168.2.100 reference\n"
         "  servobus-scanner axis 192.168.2.100 move 100000 --trace move.svg\n"
         "  servobus-scanner axis 192.168.2.100 jog negative --speed 20000 --duration 2s\n"
+        "  servobus-scanner axis 192.168.2.100 move 0 --io --rpi 2\n"
         "\nCtrl-C halts the axis; a second one leaves at once. 'axis HOST VERB --help' has more.");
     add_status(axis);
     add_power(axis);
@@ -130,12 +132,19 @@ CLI::App& AxisCommandLine::add_verb(CLI::App& parent, const std::string& name, c
                                     const std::string& examples, std::function<AxisVerb()> make) {
     auto& verb = *parent.add_subcommand(name, description);
     decorate_(verb);
+    if (name != "status") add_connection(verb);
     verb.footer("Examples:\n" + examples);
     verb.callback([this, name, make = std::move(make)] {
         verb_name_ = name;
         make_verb_ = make;
     });
     return verb;
+}
+
+void AxisCommandLine::add_connection(CLI::App& verb) {
+    verb.add_flag("--io", options_.io, "Over an I/O connection instead of explicit messages");
+    add_connection_option(verb, options_.connection);
+    add_interval_option(verb, options_.connection, "4");
 }
 
 void AxisCommandLine::add_wait(CLI::App& verb) {
@@ -253,6 +262,7 @@ void AxisCommandLine::add_calibration(CLI::App& parent, bool traced) {
 void AxisCommandLine::add_trace(CLI::App& axis) {
     auto& verb = *axis.add_subcommand("trace", "Record position, velocity, current and following error");
     decorate_(verb);
+    add_connection(verb);
     verb.footer(
         "With a VERB it records from before that until it is done, and for --duration at least.\n"
         "\nExamples:\n"

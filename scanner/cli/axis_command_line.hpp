@@ -35,6 +35,7 @@ private:
     void add_trace(CLI::App& axis);
     void add_trace_files(CLI::App& verb, const std::string& option);
     void add_wait(CLI::App& verb);
+    void add_connection(CLI::App& verb);
 
     std::function<void(CLI::App&)> decorate_;
     AxisOptions options_;

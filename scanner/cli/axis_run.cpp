@@ -4,7 +4,12 @@
 #include <algorithm>
 
 #include "scanner/cli/axis.hpp"
+#include "scanner/cli/explicit_axis_link.hpp"
+#include "scanner/cli/io.hpp"
+#include "scanner/cli/io_axis_link.hpp"
+#include "scanner/cli/io_runner.hpp"
 #include "scanner/cli/json_output.hpp"
+#include "scanner/cli/originator_process_data.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -16,6 +21,8 @@ constexpr Time poll_interval = 8ms;
 /// A recording shows the axis at rest before and after a motion.
 constexpr Time lead = 50ms;
 constexpr Time tail = 150ms;
+/// Over an I/O connection, when nobody says another.
+constexpr std::chrono::microseconds usual_rpi = 4ms;
 
 AxisOutcome record_only(AxisRunner& runner, const AxisOptions& options) {
     // Ctrl-C ends the recording, and concerns nobody who moves the axis.
@@ -63,6 +70,66 @@ void halt_if_interrupted(AxisRunner& runner, AxisOutcome& outcome) {
     outcome.failure = Failure{halt.stands ? ExitCode::interrupted : ExitCode::axis, "interrupted; " + halt.text};
 }
 
+struct Done {
+    AxisOutcome outcome;
+    std::optional<Failure> unwritten{};
+};
+
+ExitCode tell(const Console& console, const AxisOptions& options, const std::string& name, const AxisRunner& runner,
+              const Done& done) {
+    if (done.outcome.failure) return fail(console, *done.outcome.failure, options.host);
+    std::string text = done.outcome.sentence + '\n';
+    for (const auto& file : options.traces) text += trace_line(file, runner.samples());
+    console.show(text, axis_json(options.host, name, done.outcome, runner, options.traces));
+    return done.unwritten ? fail(Console{console.out, console.err}, *done.unwritten, options.host) : ExitCode::done;
+}
+
+/// `leave` is called when nothing is to be done with the axis any more.
+ExitCode run_over(const Console& console, const AxisOptions& options, const std::string& name, const AxisVerb& verb,
+                  const Interruption& interruption, AxisLink& axis,
+                  const std::function<void(AxisRunner&, AxisOutcome&)>& leave) {
+    const bool recording = !options.traces.empty();
+    // The inputs of a connection come at their own rate.
+    const auto interval = options.io ? Time(0) : recording ? options.interval : poll_interval;
+    AxisRunner runner(console, axis, interruption, interval, recording);
+    Done done{perform(runner, options, verb)};
+    halt_if_interrupted(runner, done.outcome);
+    leave(runner, done.outcome);
+    // What went wrong is worth seeing, too.
+    const auto title = done.outcome.failure ? done.outcome.failure->text : done.outcome.sentence;
+    done.unwritten = write_traces(options, runner.samples(), fmt::format("{} {}: {}", options.host, name, title));
+    return tell(console, options, name, runner, done);
+}
+
+Parsed<ConnectionTask> axis_task(const AxisOptions& options, const Settings& settings) {
+    auto task = make_task(options.connection, settings.route, usual_rpi);
+    if (task && !task->has_outputs()) {
+        return Mistake{
+            fmt::format("an axis cannot be moved over '{}', which has no outputs", options.connection.connection)};
+    }
+    return task;
+}
+
+ExitCode run_over_io(const Console& console, const AxisOptions& options, const std::string& name, const AxisVerb& verb,
+                     const Interruption& interruption, Link& link, const Host& host, const ConnectionTask& task) {
+    ExplicitAxisLink messages(link);
+    auto outputs = read_outputs(link, *task.outputs.layout);
+    if (!outputs) return fail(console, outputs.error(), options.host);
+    OriginatorProcessData data(link, host, task, std::move(*outputs));
+    if (const auto failure = data.open()) {
+        const auto code = fail(console, *failure, options.host);
+        if (!console.json && data.closed()) console.say(diagnosis_of(*data.closed(), task, options.host, false));
+        return code;
+    }
+    IoAxisLink axis(messages, data);
+    return run_over(console, options, name, verb, interruption, axis, [&](AxisRunner& runner, AxisOutcome& outcome) {
+        data.close();
+        if (outcome.failure || runner.refresh()) return;
+        // Its owner is gone, so it stops (docs/motion.md).
+        outcome.sentence += fmt::format("; without the connection the drive is {}", situation(runner.state()));
+    });
+}
+
 }  // namespace
 
 ExitCode run_axis(const Console& console, const Settings& settings, const AxisOptions& options, const std::string& name,
@@ -72,23 +139,14 @@ ExitCode run_axis(const Console& console, const Settings& settings, const AxisOp
     for (const auto& file : options.traces) {
         if (const auto mistake = check_trace_file(file)) return fail(console, *mistake, options.host);
     }
+    const auto task = axis_task(options, settings);
+    if (!task) return fail(console, task.error(), options.host);
     const Interruption interruption(console.interruptions);
     Link link(settings, *where);
     if (const auto failure = link.open()) return fail(console, *failure, options.host);
-    AxisLink axis(link);
-    const bool recording = !options.traces.empty();
-    AxisRunner runner(console, axis, interruption, recording ? options.interval : poll_interval, recording);
-    auto outcome = perform(runner, options, verb);
-    halt_if_interrupted(runner, outcome);
-
-    // What went wrong is worth seeing, too.
-    const auto title = outcome.failure ? outcome.failure->text : outcome.sentence;
-    const auto unwritten = write_traces(options, runner.samples(), fmt::format("{} {}: {}", options.host, name, title));
-    if (outcome.failure) return fail(console, *outcome.failure, options.host);
-    std::string text = outcome.sentence + '\n';
-    for (const auto& file : options.traces) text += trace_line(file, runner.samples());
-    console.show(text, axis_json(options.host, name, outcome, runner, options.traces));
-    return unwritten ? fail(Console{console.out, console.err}, *unwritten, options.host) : ExitCode::done;
+    if (options.io) return run_over_io(console, options, name, verb, interruption, link, *where, *task);
+    ExplicitAxisLink axis(link);
+    return run_over(console, options, name, verb, interruption, axis, [](AxisRunner&, AxisOutcome&) {});
 }
 
 }  // namespace servobus::scanner::cli

@@ -28,6 +28,18 @@ std::string with_warning(std::string text) {
     return text.ends_with(warning) ? text : text.append(warning);
 }
 
+/// What a step waits for, and what ends it.
+std::vector<AxisValue> values_of(const AxisStep& step) {
+    std::vector<AxisValue> values{AxisValue::status_word};
+    const auto add = [&](const AxisCondition& condition) {
+        if (std::ranges::find(values, condition.word) == values.end()) values.push_back(condition.word);
+    };
+    for (const auto& conditions : step.until) std::ranges::for_each(conditions, add);
+    std::ranges::for_each(step.keeps, add);
+    if (step.fails) add(*step.fails);
+    return values;
+}
+
 }  // namespace
 
 void Progress::step(const std::string& goal) {
@@ -58,16 +70,22 @@ void Progress::clear() {
 
 AxisRunner::AxisRunner(const Console& console, AxisLink& link, const Interruption& interruption, Time interval,
                        bool recording)
-    : console_(console), link_(link), interruption_(interruption), interval_(interval), recording_(recording) {}
+    : console_(console), link_(link), interruption_(interruption), interval_(interval), recording_(recording) {
+    const auto keep = [this](const AxisState& state, Clock::time_point time) {
+        const auto seconds = std::chrono::duration<double>(time - start_).count();
+        if (seconds >= 0) samples_.push_back(sample_of(state, seconds));
+    };
+    if (recording_ && link_.record(keep)) recording_ = false;
+}
 
 Time AxisRunner::now() const { return std::chrono::duration_cast<Time>(Clock::now() - start_); }
 
-bool AxisRunner::look(bool in_motion) {
-    link_.link().wait_until(next_look_);
+bool AxisRunner::look(std::span<const AxisValue> needed, bool in_motion) {
+    link_.wait_until(next_look_);
     // From the time that was meant, so that the rate is kept; from now when it cannot be kept.
     next_look_ = std::max(next_look_ + interval_, Clock::now());
     const auto asked = now();
-    if (auto failure = link_.read(followed_values(), state_)) {
+    if (auto failure = link_.look(needed, state_)) {
         failure_ = std::move(*failure);
         if (in_motion) failure_.text = with_warning(failure_.text);
         return false;
@@ -82,7 +100,7 @@ bool AxisRunner::look(bool in_motion) {
 
 bool AxisRunner::act(AxisSequence& sequence) {
     if (sequence.wants() == AxisSequence::Wants::look) {
-        if (!look(sequence.step().in_motion)) return false;
+        if (!look(values_of(sequence.step()), sequence.step().in_motion)) return false;
         sequence.saw(state_, now());
         return true;
     }
@@ -135,12 +153,18 @@ AxisRunner::End AxisRunner::fail(const AxisSequence& sequence) {
     return End::failed;
 }
 
+std::optional<Failure> AxisRunner::refresh() {
+    static constexpr std::array values{AxisValue::status_word, AxisValue::error, AxisValue::error_text,
+                                       AxisValue::position};
+    return link_.ask(values, state_);
+}
+
 AxisRunner::End AxisRunner::watch(Time duration) {
     const auto end = now() + duration;
     Progress progress(console_, {});
     while (now() < end) {
         if (interruption_.count() > 0) return End::interrupted;
-        if (!look(false)) return End::failed;
+        if (!look({}, false)) return End::failed;
         progress.moved(state_, {});
     }
     return End::done;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -39,7 +40,8 @@ private:
 
 class AxisRunner {
 public:
-    /// All of them outlive it. `interval` is the time between two looks; with `recording` each look is kept.
+    /// All of them outlive it. `interval` is the time between two looks; with `recording` each look is kept, or each
+    /// sample of a link that has its own.
     AxisRunner(const Console& console, AxisLink& link, const Interruption& interruption, Time interval, bool recording);
 
     enum class End : std::uint8_t { done, failed, interrupted };
@@ -57,6 +59,9 @@ public:
     /// Reads further values into state().
     [[nodiscard]] std::optional<Failure> read(std::span<const AxisValue> values) { return link_.read(values, state_); }
 
+    /// Reads what can be read when the axis is not moved over this link any more.
+    [[nodiscard]] std::optional<Failure> refresh();
+
     [[nodiscard]] const AxisState& state() const { return state_; }
     /// Why the last run failed.
     [[nodiscard]] const Failure& failure() const { return failure_; }
@@ -71,7 +76,7 @@ private:
 
     [[nodiscard]] Time now() const;
     /// Waits until it is time to look again, and looks.
-    [[nodiscard]] bool look(bool in_motion);
+    [[nodiscard]] bool look(std::span<const AxisValue> needed, bool in_motion);
     [[nodiscard]] bool act(AxisSequence& sequence);
     End fail(const AxisSequence& sequence);
     void note_motion(const AxisSequence& sequence, bool was_in_motion);

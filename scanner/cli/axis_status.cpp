@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scanner/cli/axis.hpp"
+#include "scanner/cli/explicit_axis_link.hpp"
 #include "scanner/cli/text_output.hpp"
 
 namespace servobus::scanner::cli {
@@ -139,7 +140,7 @@ ExitCode axis_status(const Console& console, const Settings& settings, const Axi
     if (!where) return fail(console, where.error());
     Link link(settings, *where);
     if (const auto failure = link.open()) return fail(console, *failure, options.host);
-    AxisLink axis(link);
+    ExplicitAxisLink axis(link);
     AxisState state;
     if (const auto failure = axis.read(shown, state)) return fail(console, *failure, options.host);
     console.show(status_text(state), console.json ? status_json(options.host, state) : std::string());

@@ -39,6 +39,19 @@ std::optional<Failure> missing(const AxisState& state, unsigned needs) {
 
 AxisOutcome failed(Failure failure) { return {{}, std::move(failure), false}; }
 
+/// Over an I/O connection the power is on only as long as that is open, so a motion switches it on by itself.
+std::optional<AxisOutcome> not_ready(AxisRunner& runner, const AxisOptions& options) {
+    const bool switch_on = options.io && !runner.state().is_enabled();
+    if (auto failure = missing(runner.state(), (switch_on ? no_fault : enabled) | referenced | standstill)) {
+        return failed(std::move(*failure));
+    }
+    if (!switch_on) return std::nullopt;
+    const auto end = runner.run(enable_steps(runner.state()));
+    if (end == AxisRunner::End::interrupted) return AxisOutcome{{}, {}, true};
+    if (end == AxisRunner::End::failed) return failed(runner.failure());
+    return std::nullopt;
+}
+
 std::int64_t position(const AxisRunner& runner) { return runner.state().number(AxisValue::position); }
 
 /// The sentence when the run is done, otherwise what became of it.
@@ -142,8 +155,8 @@ AxisVerb reference_verb(std::optional<int> method, AxisReference reference) {
 
 AxisVerb move_verb(AxisMove move) {
     return [move](AxisRunner& runner, const AxisOptions& options) {
+        if (auto outcome = not_ready(runner, options)) return std::move(*outcome);
         const auto& state = runner.state();
-        if (auto failure = missing(state, enabled | referenced | standstill)) return failed(std::move(*failure));
         const auto from = position(runner);
         const auto target = destination(move, state);
         const auto limit = options.wait.value_or(motion_limit(move, state));
@@ -160,10 +173,8 @@ AxisVerb move_verb(AxisMove move) {
 }
 
 AxisVerb jog_verb(AxisJog jog) {
-    return [jog](AxisRunner& runner, const AxisOptions&) {
-        if (auto failure = missing(runner.state(), enabled | referenced | standstill)) {
-            return failed(std::move(*failure));
-        }
+    return [jog](AxisRunner& runner, const AxisOptions& options) {
+        if (auto outcome = not_ready(runner, options)) return std::move(*outcome);
         const auto from = position(runner);
         auto end = runner.run(jog_steps(jog, runner.state()));
         // Without a duration this is how it ends.
@@ -182,9 +193,7 @@ AxisVerb jog_verb(AxisJog jog) {
 
 AxisVerb force_calibration_verb(AxisCalibration calibration) {
     return [calibration](AxisRunner& runner, const AxisOptions& options) {
-        if (auto failure = missing(runner.state(), enabled | referenced | standstill)) {
-            return failed(std::move(*failure));
-        }
+        if (auto outcome = not_ready(runner, options)) return std::move(*outcome);
         const auto from = calibration.start.value_or(position(runner));
         const auto end = runner.run(force_calibration_steps(calibration, options.wait.value_or(search_limit)));
         return outcome(runner, end, [&] {

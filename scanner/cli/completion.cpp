@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "scanner/cli/io_options.hpp"
+
 namespace servobus::scanner::cli {
 namespace {
 
@@ -28,9 +30,11 @@ _servobus_scanner() {
             esac
         done
     fi
-    if [[ $verb == axis && ${COMP_WORDS[COMP_CWORD - 1]} == --@(trace|out) ]]; then
+    if [[ ${COMP_WORDS[COMP_CWORD - 1]} == --@(trace|out|csv|pcapng) ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$current")
         return
+    elif [[ ${COMP_WORDS[COMP_CWORD - 1]} == --connection ]]; then
+        words="@CONNECTIONS@"
     elif [[ $current == -* ]]; then
         case "$verb${sub:+ $sub}" in
 @OPTION_CASES@
@@ -91,8 +95,10 @@ _servobus_scanner() {
             esac
         done
     fi
-    if [[ $verb == axis && $words[CURRENT - 1] == (--trace|--out) ]]; then
+    if [[ $words[CURRENT - 1] == (--trace|--out|--csv|--pcapng) ]]; then
         _files
+    elif [[ $words[CURRENT - 1] == --connection ]]; then
+        compadd -- @CONNECTIONS@
     elif [[ $PREFIX == -* ]]; then
         case "$verb${sub:+ $sub}" in
 @OPTION_CASES@
@@ -132,7 +138,7 @@ complete -c servobus-scanner -f
 complete -c servobus-scanner -n '__fish_seen_subcommand_from get call list' -a '(servobus-scanner list --names)'
 complete -c servobus-scanner -n '__fish_seen_subcommand_from set' -a '(servobus-scanner list --names)='
 complete -c servobus-scanner -n '__fish_seen_subcommand_from command' -a '(servobus-scanner list --names --commands)'
-complete -c servobus-scanner -n '__fish_seen_subcommand_from identity dump' -a '(__fish_print_hostnames)'
+complete -c servobus-scanner -n '__fish_seen_subcommand_from identity dump io open' -a '(__fish_print_hostnames)'
 complete -c servobus-scanner -n '__fish_seen_subcommand_from jog' -a 'positive negative'
 )sh";
 
@@ -214,6 +220,7 @@ std::optional<std::string> completion_script(std::string_view shell, const std::
     } else {
         return std::nullopt;
     }
+    script = replaced(std::move(script), "@CONNECTIONS@", replaced(connection_keys(), ",", ""));
     const auto axis = verbs_of(verbs, "axis");
     const auto traced = names(verbs_of(axis, "trace"));
     script = replaced(std::move(script), "@AXIS_PATTERN@", fmt::format("{}", fmt::join(names(axis), " | ")));

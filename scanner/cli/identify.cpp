@@ -1,4 +1,6 @@
 // discover and identity: who is there, and who it says it is.
+#include "scanner/cli/identify.hpp"
+
 #include <fmt/format.h>
 
 #include "cip/services.hpp"
@@ -30,7 +32,15 @@ Attempt read_attributes(Link& link, Identity identity, std::uint32_t first) {
     return identity;
 }
 
-Attempt read_identity(Link& link) {
+ExitCode nobody(const Console& console, const Failure& failure) {
+    console.show({}, console.json ? devices_json({}, failure) : std::string());
+    console.say(failure.text);
+    return failure.code;
+}
+
+}  // namespace
+
+boost::system::result<Identity, Failure> ask_identity(Link& link) {
     const auto answer = link.call({cip::service::get_attributes_all, cip::Path::to(cip::class_id::identity, 1), {}});
     if (!answer) return link.failure_of(answer.error());
     if (!answer->status.ok()) return read_attributes(link, {}, first_identity_attribute);
@@ -41,14 +51,6 @@ Attempt read_identity(Link& link) {
     const auto with_state = read_attributes(link, *identity, identity_state_attribute);
     return with_state ? with_state : *identity;
 }
-
-ExitCode nobody(const Console& console, const Failure& failure) {
-    console.show({}, console.json ? devices_json({}, failure) : std::string());
-    console.say(failure.text);
-    return failure.code;
-}
-
-}  // namespace
 
 ExitCode discover(const Console& console, const Settings& settings, const DiscoverArguments& arguments) {
     const auto where = arguments.host ? parse_host(*arguments.host) : Parsed<Host>(Host{});
@@ -76,7 +78,7 @@ ExitCode identity(const Console& console, const Settings& settings, const std::s
     if (!where) return fail(console, where.error());
     Link link(settings, *where);
     if (const auto failure = link.open()) return fail(console, *failure, host);
-    const auto identity = read_identity(link);
+    const auto identity = ask_identity(link);
     if (!identity) return fail(console, identity.error(), host);
     console.show(identity_text(*identity), identity_json(host, *identity));
     return ExitCode::done;

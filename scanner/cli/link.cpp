@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "enip/asio/asio.hpp"
 #include "scanner/client.hpp"
 
 namespace servobus::scanner::cli {
@@ -187,6 +186,17 @@ void Link::wait_until(steady_clock::time_point when) {
     io_->run_until(over);
     if (per_answer_) deadline_ = std::max(deadline_, steady_clock::now() + settings_.timeout);
 }
+
+net::any_io_executor Link::executor() { return io_->context.get_executor(); }
+
+void Link::run_until(const std::function<bool()>& done) {
+    io_->context.restart();
+    while (!done() && io_->context.run_one() > 0) {
+    }
+    if (per_answer_) deadline_ = std::max(deadline_, steady_clock::now() + settings_.timeout);
+}
+
+void Link::keep_alive() { io_->client->keep_alive(); }
 
 boost::system::result<enip::asio::FoundDevices> broadcast(enip::asio::BroadcastOptions options) {
     net::io_context context(1);

@@ -3,6 +3,7 @@
 
 #include <boost/system/result.hpp>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "cip/path.hpp"
 #include "drive/parameter.hpp"
 #include "drive/store.hpp"
+#include "enip/asio/asio.hpp"
 #include "enip/asio/discovery.hpp"
 #include "scanner/cli/exit_code.hpp"
 #include "scanner/error.hpp"
@@ -57,6 +59,13 @@ public:
 
     /// Does nothing until then, but keeps the connection.
     void wait_until(std::chrono::steady_clock::time_point when);
+
+    /// Where everything runs that goes on meanwhile: in call(), wait_until() and run_until(), and at no other time.
+    [[nodiscard]] net::any_io_executor executor();
+    /// Runs that until `done` says so; it is asked after everything that happens.
+    void run_until(const std::function<bool()>& done);
+    /// A session that nobody uses for long is closed by the device; this is a message that asks for nothing.
+    void keep_alive();
 
     /// For verbs with hundreds of requests: from now on the time counts from the last answer.
     void count_from_last_answer() { per_answer_ = true; }

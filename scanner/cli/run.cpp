@@ -13,6 +13,7 @@
 #include "scanner/cli/axis_command_line.hpp"
 #include "scanner/cli/completion.hpp"
 #include "scanner/cli/exit_code.hpp"
+#include "scanner/cli/io_command_line.hpp"
 #include "scanner/cli/verbs.hpp"
 
 namespace servobus::scanner::cli {
@@ -40,6 +41,7 @@ public:
         add_parameters();
         add_services();
         add_axis();
+        add_io();
         add_offline();
     }
 
@@ -163,14 +165,21 @@ private:
         on(verb, [this] { return call(console_, settings_, host_, word_, path_, words_); });
     }
 
-    void add_axis() {
-        const auto decorate = [this](CLI::App& verb) {
+    void add_axis() { axis_.add_to(app_, decoration(), chooser()); }
+
+    void add_io() { io_.add_to(app_, decoration(), chooser()); }
+
+    /// What verbs of a command line of their own have as well.
+    std::function<void(CLI::App&)> decoration() {
+        return [this](CLI::App& verb) {
             add_common(verb);
             add_path_options(verb);
         };
-        axis_.add_to(app_, decorate, [this](AxisCommandLine::Action action) {
+    }
+    std::function<void(AxisCommandLine::Action)> chooser() {
+        return [this](AxisCommandLine::Action action) {
             action_ = [this, action = std::move(action)] { return action(console_, settings_); };
-        });
+        };
     }
 
     void add_offline() {
@@ -255,6 +264,7 @@ private:
     DiscoverArguments discover_;
     ListArguments list_;
     AxisCommandLine axis_;
+    IoCommandLine io_;
     double timeout_s_ = 5;
     int wait_ms_ = 1000;
     std::optional<std::string> route_;

@@ -44,7 +44,7 @@ TEST(Completion, KnowsEveryVerbInEveryShell) {
         const auto text = script(shell);
         EXPECT_THAT(text, Not(testing::ContainsRegex("@[A-Z]"))) << "a mark that was not filled in";
         for (const auto* word :
-             {"discover", "identity", "get", "set", "dump", "command", "call", "axis", "list", "completion",
+             {"discover", "identity", "get", "set", "dump", "command", "call", "axis", "io", "open", "list", "completion",
               "force-calibrate", "json", "timeout", "route", "connected", "wait", "host", "list --names"}) {
             EXPECT_THAT(text, HasSubstr(word)) << shell;
         }
@@ -66,6 +66,10 @@ TEST(Completion, WorksInBash) {
     EXPECT_EQ(offered("servobus-scanner axis host move --rel"), "--relative\n");
     EXPECT_EQ(offered("servobus-scanner axis host trace --dur"), "--duration\n");
     EXPECT_EQ(offered("servobus-scanner axis host trace --duration 2s m"), "move\n");
+    EXPECT_EQ(offered("servobus-scanner io host --connection i"), "iforce\ninput-only\n");
+    EXPECT_EQ(offered("servobus-scanner axis host move --connection ou"), "outputs\n");
+    EXPECT_EQ(offered("servobus-scanner io host --pcap"), "--pcapng\n");
+    EXPECT_EQ(offered("servobus-scanner open host --o2t-f"), "--o2t-format\n");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "scanner/cli/axis_link.hpp"
+#include "scanner/cli/explicit_axis_link.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ std::string without_line_end(std::string text) {
 
 }  // namespace
 
-std::optional<Failure> AxisLink::read(std::span<const AxisValue> values, AxisState& state) {
+std::optional<Failure> ExplicitAxisLink::read(std::span<const AxisValue> values, AxisState& state) {
     while (packets_ && values.size() > packet_values) {
         if (auto failure = read(values.first(packet_values), state)) return failure;
         values = values.subspan(packet_values);
@@ -43,13 +43,17 @@ std::optional<Failure> AxisLink::read(std::span<const AxisValue> values, AxisSta
     return std::nullopt;
 }
 
-std::optional<Failure> AxisLink::read_single(AxisValue which, AxisState& state) {
+std::optional<Failure> ExplicitAxisLink::look(std::span<const AxisValue>, AxisState& state) {
+    return read(followed_values(), state);
+}
+
+std::optional<Failure> ExplicitAxisLink::read_single(AxisValue which, AxisState& state) {
     const auto response = link_.call(read_request(row_of(which)));
     if (!response) return link_.failure_of(response.error());
     return take(which, *response, state);
 }
 
-std::optional<Failure> AxisLink::take(AxisValue which, const cip::Response& response, AxisState& state) {
+std::optional<Failure> ExplicitAxisLink::take(AxisValue which, const cip::Response& response, AxisState& state) {
     auto outcome = read_outcome(row_of(which), response);
     if (!outcome) return link_.failure_of(outcome.error());
     if (outcome->value) {
@@ -62,7 +66,7 @@ std::optional<Failure> AxisLink::take(AxisValue which, const cip::Response& resp
     return std::nullopt;
 }
 
-std::optional<Failure> AxisLink::write(const AxisWrite& write) {
+std::optional<Failure> ExplicitAxisLink::write(const AxisWrite& write) {
     const auto& row = row_of(write.to);
     const auto response = link_.call(write_request(row, drive::Value(write.value)));
     if (!response) return link_.failure_of(response.error());

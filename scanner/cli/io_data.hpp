@@ -1,0 +1,69 @@
+// What an I/O connection carries, by name: the members of an assembly of the drive, or places in the octets of any other.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "assemblies/layout.hpp"
+#include "cip/bytes.hpp"
+#include "drive/parameter.hpp"
+#include "drive/store.hpp"
+#include "scanner/mistake.hpp"
+
+namespace servobus::scanner::cli {
+
+/// A member of an assembly and where it lies.
+struct IoField {
+    assemblies::Member::Kind kind = assemblies::Member::Kind::parameter;
+    const drive::Parameter* row = nullptr;  ///< for Kind::parameter
+    std::size_t offset = 0;
+    std::size_t octets = 0;
+
+    /// `Statusword`, `drive.Acceleration…` where the name alone is not enough, `Padding`, `TimeStamp`.
+    [[nodiscard]] std::string name() const;
+    /// `increment`; `us` for a time stamp (R-IO-10).
+    [[nodiscard]] std::string_view unit() const;
+    friend bool operator==(const IoField&, const IoField&) = default;
+};
+using IoFields = std::vector<IoField>;
+
+[[nodiscard]] IoFields fields_of(const assemblies::Layout& layout);
+
+/// The value of a field in `data`, which has all octets of the assembly.
+[[nodiscard]] std::int64_t number_in(const IoField& field, cip::ByteView data);
+/// The same for people, without unit: `1000`, `0x0637 (1591)`.
+[[nodiscard]] std::string text_in(const IoField& field, cip::ByteView data);
+/// What the bits of a word mean: `Operation enabled; target position reached`. Empty for numbers.
+[[nodiscard]] std::string meaning_in(const IoField& field, cip::ByteView data);
+
+/// Octets to be put somewhere into the outputs.
+struct IoChange {
+    std::size_t offset = 0;
+    cip::Bytes octets;
+    friend bool operator==(const IoChange&, const IoChange&) = default;
+};
+
+/// What the outputs of a connection are called.
+struct IoOutputs {
+    const assemblies::Layout* layout = nullptr;  ///< nullptr when only the number of octets is known
+    std::size_t octets = 0;
+};
+
+/// `TargetPositionOrDistance=1000`, `AC=0x0F`, as `set` takes it; `@4:DINT=-5`, `@16:hex=0F 00` for any place.
+[[nodiscard]] Parsed<IoChange> parse_change(std::string_view text, const IoOutputs& outputs);
+
+/// `image` has the octets of the outputs that the change was read for.
+void put(const IoChange& change, std::span<std::uint8_t> image);
+
+/// The change that gives a parameter a value; nullopt when the assembly does not have it.
+[[nodiscard]] std::optional<IoChange> change_of(const IoFields& fields, const drive::Parameter& row,
+                                                const drive::Value& value);
+/// nullptr when the assembly does not have it.
+[[nodiscard]] const IoField* find_field(const IoFields& fields, const drive::Parameter& row);
+
+}  // namespace servobus::scanner::cli
