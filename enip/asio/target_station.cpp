@@ -48,6 +48,13 @@ Endpoint to_endpoint(const tcp::endpoint& native) {
 
 Time clock_now() { return std::chrono::steady_clock::now(); }
 
+// How many octets the kernel takes at once. An error comes again, to whoever goes on writing.
+std::size_t write_now(tcp::socket& socket, cip::ByteView octets) {
+    error_code error;
+    const auto written = socket.write_some(net::buffer(octets.data(), octets.size()), error);
+    return error ? 0 : written;
+}
+
 ListenError cannot_listen(std::string_view protocol, Endpoint at, const error_code& error) {
     std::string_view hint;
     if (error == net::error::address_in_use)
@@ -159,6 +166,7 @@ net::awaitable<void> TargetStation::accept() {
 net::awaitable<void> TargetStation::serve(tcp::socket socket) {
     error_code error;
     socket.set_option(tcp::no_delay(true), error);
+    socket.non_blocking(true, error);  // for write_now()
     const auto peer = to_endpoint(socket.remote_endpoint(error));
     const auto local = to_endpoint(socket.local_endpoint(error));
     const auto id = target_.on_open(peer, local, clock_now());
@@ -193,13 +201,16 @@ net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::Connec
         while (!octets.empty()) {
             octets = octets.subspan(target_.on_octets(id, octets, clock_now()));
             const auto replies = target_.take_replies(id);
-            after_event();  // not later: the peer may take its time with the replies
-            if (!replies.empty()) {
-                const auto [failed, written] = co_await net::async_write(socket, net::buffer(replies), awaited);
+            // In this order: no datagram of a connection leaves before the reply that opens it (R-CON-50), and none waits
+            // for a peer who takes his time with the replies.
+            const auto rest = cip::ByteView(replies).subspan(write_now(socket, replies));
+            after_event();
+            if (!rest.empty()) {
+                const auto [failed, written] =
+                    co_await net::async_write(socket, net::buffer(rest.data(), rest.size()), awaited);
                 if (failed) co_return;
             } else if (!octets.empty()) {
-                co_await net::post(shared_.context,
-                                   awaited);  // there was nothing to write, and others have their turn too
+                co_await net::post(shared_.context, awaited);  // others have their turn too
             }
             if (target_.wants_close(id)) {
                 if (!stopped_) co_await farewell(socket, id);

@@ -154,6 +154,34 @@ TEST(Process, SaysWhoItIsAndWhereItListens) {
     EXPECT_EQ(hex(client.call(octets("0E 03 20 64 24 01 30 00"))), hex("8E 00 00 00 14 00 00 00"));
 }
 
+TEST(Process, ManyDrivesHaveAnAddressAndASerialNumberEach) {
+    Program program({"--bind", "127.0.43.1", "--count", "4", "--port", "0"});
+    std::vector<std::uint16_t> ports;
+    for (int i = 0; i < 4; ++i) {
+        const auto line = program.next_line();
+        EXPECT_THAT(line, HasSubstr("serial number 0x00A1B2C" + std::to_string(3 + i)));
+        const auto address = "127.0.43." + std::to_string(1 + i) + ":";
+        ASSERT_THAT(line, HasSubstr("listens at " + address));
+        ports.push_back(static_cast<std::uint16_t>(std::stoul(line.substr(line.find(address) + address.size()))));
+    }
+    for (int i = 0; i < 4; ++i) {
+        TcpClient client(ports[static_cast<std::size_t>(i)], 0, 0x7F002B01 + static_cast<std::uint32_t>(i));
+        ASSERT_TRUE(client.register_session()) << i;
+        const auto serial = hex("8E 00 00 00 C" + std::to_string(3 + i) + " B2 A1 00");
+        EXPECT_EQ(hex(client.call(octets("0E 03 20 01 24 01 30 06"))), serial);
+        // Each has a state of its own.
+        EXPECT_EQ(hex(client.call(octets("0E 03 20 64 24 01 30 00"))), hex("8E 00 00 00 14 00 00 00"));
+        EXPECT_EQ(hex(client.call(octets("10 03 20 64 24 01 30 00 32 00 00 00"))), hex("90 00 00 00"));
+        const auto open = client.call(octets(
+            "54 02 20 06 24 01 0A 0E 00000000 0B00110A 0B00 4D00 44332211 02 000000 10270000 1848 10270000 1E48 01 04 "
+            "20 04 24 01 2C 65 2C 64"));
+        EXPECT_EQ(open.size(), 30U) << "an owner for each";
+    }
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_THAT(program.errors(), HasSubstr("127.0.43.4: exclusive owner 101/100 of 127.0.0.1 open"));
+}
+
 TEST(Process, StopsAtSigtermWithOpenSessions) {
     for (const int number : {SIGTERM, SIGINT}) {
         Program program({"--port", "0"});

@@ -48,12 +48,13 @@ RunningServer::~RunningServer() {
     thread_.join();
 }
 
-TcpClient::TcpClient(std::uint16_t port, int receive_buffer) : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)) {
+TcpClient::TcpClient(std::uint16_t port, int receive_buffer, std::uint32_t host)
+    : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)) {
     if (receive_buffer > 0) set_option(descriptor_, SOL_SOCKET, SO_RCVBUF, receive_buffer);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_addr.s_addr = htonl(host);
     sockaddr generic{};
     static_assert(sizeof generic == sizeof address);
     std::memcpy(&generic, &address, sizeof address);

@@ -39,11 +39,11 @@ private:
     std::thread thread_;
 };
 
-/// One TCP connection to 127.0.0.1. What does not come in time, comes not at all.
+/// One TCP connection to 127.0.0.1, or another address of this machine. What does not come in time, comes not at all.
 class TcpClient {
 public:
     /// `receive_buffer`: SO_RCVBUF, 0 for the system's choice.
-    explicit TcpClient(std::uint16_t port, int receive_buffer = 0);
+    explicit TcpClient(std::uint16_t port, int receive_buffer = 0, std::uint32_t address = 0x7F000001);
     ~TcpClient();
     TcpClient(TcpClient&& other) noexcept;
     TcpClient& operator=(TcpClient&& other) noexcept;

@@ -58,7 +58,8 @@ TEST(IoPacket, EveryCutIsTruncated) {
 }
 
 TEST(IoPacket, R_IO_8_octets_behind_the_items_are_ignored) {
-    const auto packet = IoPacket::parse(octets(std::string(heartbeat) + "DEADBEEF"));
+    const auto longer = octets(std::string(heartbeat) + "DEADBEEF");
+    const auto packet = IoPacket::parse(longer);
     ASSERT_TRUE(packet);
     EXPECT_EQ(hex(packet->data), "01 00");
 }

@@ -29,7 +29,7 @@ def enter_own_network():
     """Starts this judge again in a network that nobody else is in, where it owns every port and may capture."""
     rights = [] if os.geteuid() == 0 else ["--map-root-user"]
     os.execvp("unshare", ["unshare", *rights, "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh",
-                          sys.executable, "-B", *sys.argv])
+                          sys.executable, "-B", "-u", *sys.argv])
 
 
 def run(*command, expect=0, quiet=False, timeout=40):

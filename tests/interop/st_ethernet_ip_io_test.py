@@ -38,7 +38,7 @@ class Implicit:
         while not condition():
             check(time.monotonic() < deadline, f"{what}; {self.packets} packets, inputs {self.inputs.hex()}")
             line = self.process.stdout.readline()
-            check(line, f"{what}: the client ended with {self.process.wait()}")
+            check(line, f"{what}: the client has ended")
             said = json.loads(line)
             if "packets" not in said:
                 print(">", line, end="", flush=True)
@@ -84,10 +84,10 @@ with running_drive(address), implicit_scanner(address) as client:
         client.tell(f"write {CONTROLWORD_OFFSET} {controlword}")
         client.until(lambda: client.statusword() & MASK == wanted,
                      f"the inputs do not follow controlword {controlword:#x}")
-    scanner("io", address, "--connection", "standard", "--duration", "1s", expect=4)  # It has an owner.
+    scanner("io", address, "--connection", "standard", "--duration", "1", expect=4)  # It has an owner.
 
     client.tell("close")
     client.until(lambda: "closed" in client.events, "it does not close")
     check("disconnected" not in client.events, "the connection was lost on the way")
     check(client.process.wait(timeout=10) == 0, f"it ended with {client.process.returncode}")
-    scanner("io", address, "--connection", "standard", "--duration", "0.5s")
+    scanner("io", address, "--connection", "standard", "--duration", "0.5")
