@@ -597,7 +597,7 @@ void Adapter::advance(enip::Time now) {
 bool Adapter::inject(const Happening& event, enip::Time now) {
     advance(now);
     const bool taken = apply(event, now);
-    manager_->io().note_changes(now);
+    manager_->io().note_changes(faults_.bus_time(now));
     take_held_octets(now);
     manager_->io().note_changes(faults_.bus_time(now));
     return taken;

@@ -103,7 +103,7 @@ net::awaitable<void> TargetServer::Impl::wait_for_signal() {
 
 // A line may have happened to any of them.
 void TargetServer::Impl::after_line() {
-    for (const auto& station : stations_) station->after_event();
+    for (const auto& station : stations_) station->after_line();
 }
 
 // What several stations have to send at the same time leaves in one system call: a socket may send for other addresses

@@ -169,13 +169,13 @@ net::awaitable<void> TargetStation::serve(tcp::socket socket) {
     socket.non_blocking(true, error);  // for write_now()
     const auto peer = to_endpoint(socket.remote_endpoint(error));
     const auto local = to_endpoint(socket.local_endpoint(error));
-    const auto id = target_.on_open(peer, local, clock_now());
+    const auto id = target_.on_open(peer, local, now());
     if (!id) co_return;
     peers_[*id].socket = &socket;
     after_event();  // others may have made room for this one
     co_await exchange(socket, *id);
     peers_.erase(*id);
-    target_.on_closed(*id, clock_now());
+    target_.on_closed(*id, now());
 }
 
 // Replies to everything that one read brought leave in one write. While a peer does not take its replies, no more of
@@ -199,7 +199,8 @@ net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::Connec
         if (error) co_return;
         cip::ByteView octets(buffer.data(), size);
         while (!octets.empty()) {
-            octets = octets.subspan(target_.on_octets(id, octets, clock_now()));
+            static_cast<void>(catch_up());  // what was due before comes before
+            octets = octets.subspan(target_.on_octets(id, octets, now()));
             const auto replies = target_.take_replies(id);
             // In this order: no datagram of a connection leaves before the reply that opens it (R-CON-50), and none waits
             // for a peer who takes his time with the replies.
@@ -251,7 +252,7 @@ net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket) {
             auto local = datagram->local;
             if (local_.address != 0) local.address = local_.address;
             target_.on_datagram(datagram->peer, local, datagram->broadcast || &socket != &unicast_, datagram->octets,
-                                clock_now());
+                                now());
         }
         after_event();
     }
@@ -266,6 +267,7 @@ net::awaitable<void> TargetStation::io() {
     }
 }
 
+// Each with the time at which the kernel took it, however late it is looked at.
 void TargetStation::receive_io() {
     for (int i = 0; i < io_batches_at_once && io_.receive(take_io_) == io_batch; ++i) {
     }
@@ -273,33 +275,38 @@ void TargetStation::receive_io() {
 
 net::awaitable<void> TargetStation::timer() {
     if (stopped_) co_return;
-    target_.on_timer(clock_now());
+    target_.on_timer(now());
     after_event();
     while (!stopped_) {
         timer_.expires_at(armed_.value_or(Time::max()));
         static_cast<void>(co_await timer_.async_wait(awaited));
         if (stopped_) co_return;
-        const auto next = target_.next_deadline();
-        const auto now = clock_now();
-        if (next && *next <= now) {
-            if (now - *next > late) receive_io();
-            target_.on_timer(clock_now());
-            flush();
-        }
+        if (catch_up()) flush();
         armed_ = target_.next_deadline();
     }
 }
 
+// Not now() before the datagrams are taken: they have come earlier, and time does not go back for the target.
+bool TargetStation::catch_up() {
+    const auto next = target_.next_deadline();
+    const auto passed = next ? clock_now() - *next : Time::duration(-1);
+    if (passed < Time::duration(0)) return false;
+    if (passed > late) receive_io();
+    target_.on_timer(now());
+    return true;
+}
+
+Time TargetStation::now() { return latest_ = std::max(latest_, clock_now()); }
+
+void TargetStation::after_line() {
+    static_cast<void>(now());  // the line was answered with the time of now
+    after_event();
+}
+
 void TargetStation::after_event() {
-    auto next = target_.next_deadline();
     // What is due by now does not wait for the timer's turn, which may come late when there are many requests.
-    if (next) {
-        const auto now = clock_now();
-        if (*next <= now) {
-            target_.on_timer(now);
-            next = target_.next_deadline();
-        }
-    }
+    static_cast<void>(catch_up());
+    const auto next = target_.next_deadline();
     flush();
     // A deadline that moved later is noticed when the timer fires; only an earlier one needs a new start.
     if (next && (!armed_ || *next < *armed_)) {

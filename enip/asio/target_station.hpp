@@ -1,6 +1,7 @@
 // One target at one address: its sockets, its TCP connections, its timer. A TargetServer has one or many.
 #pragma once
 
+#include <algorithm>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -38,8 +39,8 @@ public:
     void start();
     /// Closes everything; its coroutines end.
     void shut_down();
-    /// Something has happened to the target: what it has to say leaves, and the timer is set again.
-    void after_event();
+    /// Something has happened to the target outside of the station, at the time of now: what it has to say leaves.
+    void after_line();
 
     [[nodiscard]] Target& target() { return target_; }
     [[nodiscard]] IoSocket& io_socket() { return io_; }
@@ -61,6 +62,12 @@ private:
     boost::asio::awaitable<void> io();
     boost::asio::awaitable<void> timer();
 
+    /// The same after everything that the station itself brings to the target; the timer is set again.
+    void after_event();
+    /// Calls on_timer() if it is time.
+    [[nodiscard]] bool catch_up();
+    /// The time for the target, which never goes back.
+    [[nodiscard]] Time now();
     void receive_io();
     void flush();
     void close_expired();
@@ -70,7 +77,8 @@ private:
     Target& target_;
     const Shared& shared_;
     const std::function<void(const IoSocket::Received&)> take_io_ = [this](const IoSocket::Received& received) {
-        target_.on_io(received.peer, received.local, received.octets, std::chrono::steady_clock::now());
+        latest_ = std::max(latest_, received.time);
+        target_.on_io(received.peer, received.local, received.octets, latest_);
     };
     boost::asio::ip::tcp::acceptor acceptor_;
     DatagramSocket unicast_;
@@ -87,6 +95,7 @@ private:
     };
     std::map<Target::ConnectionId, Peer> peers_;
     std::optional<Time> armed_;
+    Time latest_{};  ///< that the target has been told
     bool stopped_ = false;
 };
 

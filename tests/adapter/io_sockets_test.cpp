@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <functional>
+#include <memory>
 #include <thread>
 
 #include "adapter/adapter.hpp"
@@ -96,22 +98,52 @@ private:
     enip::Endpoint local_{};
 };
 
-/// A session from an address of one's own.
-class Session {
+/// A TCP connection from an address of one's own.
+class Stream {
 public:
-    explicit Session(enip::Endpoint device, std::uint32_t from = originator)
+    explicit Stream(enip::Endpoint device, std::uint32_t from = originator)
         : descriptor_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         const auto own = native({from, 0});
         const auto peer = native(device);
         connected_ = ::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0 &&
                      ::connect(descriptor_, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) == 0;
+    }
+    ~Stream() { ::close(descriptor_); }
+    Stream(const Stream&) = delete;
+    Stream& operator=(const Stream&) = delete;
+
+    bool send(const cip::Bytes& octets) const {
+        return connected_ &&
+               ::send(descriptor_, octets.data(), octets.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(octets.size());
+    }
+    /// The next frame, which nothing follows.
+    std::optional<enip::Frame> receive() const {
+        cip::Bytes answer;
+        while (true) {
+            const auto frame = enip::Frame::parse(answer);
+            if (frame) return *frame;
+            pollfd entry{descriptor_, POLLIN, 0};
+            std::array<std::uint8_t, 4096> part{};
+            if (::poll(&entry, 1, patience_ms) <= 0) return std::nullopt;
+            const auto got = ::recv(descriptor_, part.data(), part.size(), 0);
+            if (got <= 0) return std::nullopt;
+            answer.insert(answer.end(), part.begin(), part.begin() + got);
+        }
+    }
+
+private:
+    int descriptor_;
+    bool connected_ = false;
+};
+
+/// A session on such a connection.
+class Session {
+public:
+    explicit Session(enip::Endpoint device) : stream_(device) {
         const auto reply =
             exchange({.command = enip::Command::register_session, .data = enip::RegisterSession{}.encode()});
         if (reply) session_ = reply->session;
     }
-    ~Session() { ::close(descriptor_); }
-    Session(const Session&) = delete;
-    Session& operator=(const Session&) = delete;
 
     struct Answer {
         cip::Bytes message;
@@ -162,26 +194,11 @@ public:
 
 private:
     std::optional<enip::Frame> exchange(const enip::Frame& request) const {
-        if (!connected_) return std::nullopt;
-        const auto octets = request.encode();
-        if (::send(descriptor_, octets.data(), octets.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(octets.size())) {
-            return std::nullopt;
-        }
-        cip::Bytes answer;
-        while (true) {
-            const auto frame = enip::Frame::parse(answer);
-            if (frame) return *frame;
-            pollfd entry{descriptor_, POLLIN, 0};
-            std::array<std::uint8_t, 4096> part{};
-            if (::poll(&entry, 1, patience_ms) <= 0) return std::nullopt;
-            const auto got = ::recv(descriptor_, part.data(), part.size(), 0);
-            if (got <= 0) return std::nullopt;
-            answer.insert(answer.end(), part.begin(), part.begin() + got);
-        }
+        if (!stream_.send(request.encode())) return std::nullopt;
+        return stream_.receive();
     }
 
-    int descriptor_;
-    bool connected_ = false;
+    Stream stream_;
     std::uint32_t session_ = 0;
 };
 
@@ -382,6 +399,93 @@ TEST_F(IoOverSockets, R_CPF_8_APortThatIsWishedForAndTakenIsAnError) {
                 testing::HasSubstr(fmt::format("cannot listen at UDP 127.0.42.1:{}: Address already "
                                                "in use; another program listens there",
                                                taken.local().port)));
+}
+
+/// A target with one deadline. Its second message keeps the thread until the deadline has passed, after a datagram has
+/// come in time.
+class StalledTarget final : public enip::Target {
+public:
+    explicit StalledTarget(const Udp& sender) : sender_(sender) {}
+
+    std::optional<ConnectionId> on_open(enip::Endpoint, enip::Endpoint local, enip::Time) override {
+        local_ = {local.address, io_port};
+        return 1;
+    }
+    std::size_t on_octets(ConnectionId, cip::ByteView octets, enip::Time) override {
+        sender_.send(local_, {});
+        if (++messages_ == 2) {
+            due_ = std::chrono::steady_clock::now() + 1ms;
+            while (std::chrono::steady_clock::now() < *due_ + 2ms) {
+            }
+        }
+        return octets.size();
+    }
+    cip::Bytes take_replies(ConnectionId) override { return {}; }
+    bool wants_close(ConnectionId) const override { return false; }
+    void on_closed(ConnectionId, enip::Time) override {}
+    void on_datagram(enip::Endpoint, enip::Endpoint, bool, cip::ByteView, enip::Time) override {}
+    std::vector<enip::Datagram> take_datagrams() override { return {}; }
+    void on_io(enip::Endpoint, enip::Endpoint, cip::ByteView, enip::Time now) override {
+        went_back = went_back || now < last_;
+        last_ = now;
+        if (due_ && now < *due_) in_time = true;
+        ++datagrams;
+    }
+    enip::IoQueue& io_queue() override { return queue_; }
+    void on_timer(enip::Time now) override {
+        went_back = went_back || now < last_;
+        last_ = now;
+        if (!due_ || now < *due_) return;
+        due_.reset();
+        known_in_time = in_time.load();
+        done = true;
+    }
+    std::optional<enip::Time> next_deadline() const override { return due_; }
+    std::vector<ConnectionId> take_expired() override { return {}; }
+
+    std::uint16_t io_port = 0;
+    std::atomic<unsigned> datagrams = 0;
+    std::atomic<bool> in_time = false;
+    std::atomic<bool> known_in_time = false;
+    std::atomic<bool> went_back = false;
+    std::atomic<bool> done = false;
+
+private:
+    const Udp& sender_;
+    enip::Endpoint local_{};
+    unsigned messages_ = 0;
+    std::optional<enip::Time> due_;
+    enip::Time last_{};
+    enip::IoQueue queue_;
+};
+
+bool comes_true(const std::function<bool()>& condition) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > end) return false;
+        std::this_thread::yield();
+    }
+    return true;
+}
+
+// A process that was held up has not lost its peer: the datagrams that the kernel took in time count as such.
+TEST(TargetStation, R_CON_18_WhatCameInTimeCountsAlsoWhenTheProcessWasHeldUp) {
+    const Udp sender({originator, 0});
+    StalledTarget target(sender);
+    enip::asio::TargetServer server;
+    const auto place = server.listen(target, {.address = text_of(first_device), .port = 0});
+    ASSERT_TRUE(place);
+    target.io_port = place->io_port;
+    std::thread thread([&] { server.run(); });
+    const Stream stream(place->local);
+    EXPECT_TRUE(stream.send(octets("00")));
+    EXPECT_TRUE(comes_true([&] { return target.datagrams == 1; })) << "from here on the kernel stamps";
+    EXPECT_TRUE(stream.send(octets("00")));
+    EXPECT_TRUE(comes_true([&] { return target.done.load(); }));
+    EXPECT_TRUE(target.known_in_time) << "the deadline came first";
+    EXPECT_FALSE(target.went_back) << "time never goes back";
+    server.stop();
+    thread.join();
 }
 
 }  // namespace
