@@ -78,7 +78,7 @@ public:
                  std::vector<enip::Item> items);
     [[nodiscard]] boost::system::result<std::shared_ptr<Port>> port_at(std::uint32_t address);
     void release(const std::shared_ptr<Port>& port);
-    [[nodiscard]] boost::system::result<std::shared_ptr<Group>> group_at(Endpoint group, std::uint32_t local_address);
+    [[nodiscard]] boost::system::result<std::shared_ptr<Group>> group_at(Endpoint endpoint, std::uint32_t local);
     void release(const std::shared_ptr<Group>& group);
     void expect(std::uint32_t id, Connection& connection) { expected_[id].push_back(&connection); }
     void forget(std::uint32_t id, Connection& connection);
@@ -332,8 +332,8 @@ void Originator::Impl::replace(Link& link, std::uint64_t life) {
 void Originator::Impl::finish_idle_links() {
     release_posted_ = false;
     for (const auto& [where, link] : links_) {
-        const auto needs = [&link](const auto& connection) {
-            return connection->link == link.get() && connection->needs_link();
+        const auto needs = [own = link.get()](const auto& connection) {
+            return connection->link == own && connection->needs_link();
         };
         if (link->state != Link::State::ready || std::ranges::any_of(connections_, needs)) continue;
         finish(*link);

@@ -34,7 +34,8 @@ public:
 
     /// Does nothing until then, but keeps the connection.
     virtual void wait_until(Clock::time_point when) = 0;
-    /// True when `recorder` is told every sample from now on, with its own time; false when whoever looks has to record.
+    /// True when `recorder` is told every sample from now on, with its own time; false when whoever looks has to
+    /// record.
     [[nodiscard]] virtual bool record(Recorder) { return false; }
 
 protected:

@@ -13,8 +13,9 @@
 
 namespace servobus::scanner::cli {
 
-/// The outputs change as a whole: what is written before a control word has left in a datagram when the control word does,
-/// and a control word has left before anything else is written. A look sees inputs that are newer than every write.
+/// The outputs change as a whole: what is written before a control word has left in a datagram when the control word
+/// does, and a control word has left before anything else is written. A look sees inputs that are newer than every
+/// write.
 class IoAxisLink : public AxisLink {
 public:
     /// Datagrams that carry each control word, so that one that is lost takes no edge with it.

@@ -1,5 +1,5 @@
-// An I/O connection as a capture file: its datagrams as they went, and the Forward_Open and Forward_Close around them, so
-// that an analyser knows what they are.
+// An I/O connection as a capture file: its datagrams as they went, and the Forward_Open and Forward_Close around them,
+// so that an analyser knows what they are.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace servobus::scanner::cli {
 
 class IoCapture : public IoSink {
 public:
-    /// `port`: of the device, for TCP. `path`: what stands in the Forward_Close.
+    /// `port`: of the device, for TCP.
     IoCapture(std::ostream& out, std::uint16_t port);
 
     void opened(const IoOpened& opened) override;

@@ -1,4 +1,5 @@
-// What an I/O connection carries, by name: the members of an assembly of the drive, or places in the octets of any other.
+// What an I/O connection carries, by name: the members of an assembly of the drive, or places in the octets of any
+// other.
 #pragma once
 
 #include <cstddef>

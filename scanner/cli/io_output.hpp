@@ -1,5 +1,5 @@
-// What `io` and `open` say about a connection, for people and for programs. Every text is whole lines; every document is
-// one line.
+// What `io` and `open` say about a connection, for people and for programs. Every text is whole lines; every document
+// is one line.
 #pragma once
 
 #include <optional>

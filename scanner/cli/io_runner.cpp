@@ -140,6 +140,7 @@ IoEvents IoRunner::events() {
 
 void IoRunner::on_opened(const IoOpened& opened) {
     opened_ = opened;
+    counting_ = true;
     if (report_.openings++ == 0) first_opened_ = Clock::now();
     report_.received.restart(opened.t_to_o_interval());
     for (auto* sink : sinks_) sink->opened(opened);
@@ -165,6 +166,10 @@ void IoRunner::on_packet(const IoPacketSeen& seen) {
 
 void IoRunner::on_closed(const IoClosed& event) {
     add_up();
+    // The connection counts from its opening on.
+    counting_ = false;
+    sent_before_ = report_.sent;
+    wrong_size_before_ = report_.wrong_size;
     if (over_) {
         // It has been told already; only its next try was still waiting.
         closed_ = true;
@@ -181,8 +186,9 @@ void IoRunner::on_closed(const IoClosed& event) {
 }
 
 void IoRunner::add_up() {
-    report_.sent = connection_->sent().sent;
-    report_.wrong_size = connection_->received().wrong_size;
+    if (!counting_) return;
+    report_.sent = sent_before_ + connection_->sent().sent;
+    report_.wrong_size = wrong_size_before_ + connection_->received().wrong_size;
 }
 
 const IoReport& IoRunner::report() {

@@ -105,6 +105,7 @@ private:
     enip::Time first_opened_{};
     bool closing_ = false;
     bool closed_ = true;
+    bool counting_ = false;
     std::uint64_t sent_before_ = 0;
     std::uint64_t wrong_size_before_ = 0;
     net::io_context context_{1};

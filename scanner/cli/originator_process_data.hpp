@@ -13,8 +13,8 @@ namespace servobus::scanner::cli {
 
 class OriginatorProcessData : public ProcessData {
 public:
-    /// `link` is open, outlives this, and leads to the same device. The task is a known one with outputs, which begin as
-    /// `outputs`.
+    /// `link` is open, outlives this, and leads to the same device. The task is a known one with outputs, which begin
+    /// as `outputs`.
     OriginatorProcessData(Link& link, Host host, const ConnectionTask& task, cip::Bytes outputs);
     OriginatorProcessData(const OriginatorProcessData&) = delete;
     OriginatorProcessData& operator=(const OriginatorProcessData&) = delete;

@@ -43,9 +43,9 @@ TEST(Completion, KnowsEveryVerbInEveryShell) {
     for (const auto* shell : {"bash", "zsh", "fish"}) {
         const auto text = script(shell);
         EXPECT_THAT(text, Not(testing::ContainsRegex("@[A-Z]"))) << "a mark that was not filled in";
-        for (const auto* word :
-             {"discover", "identity", "get", "set", "dump", "command", "call", "axis", "io", "open", "list", "completion",
-              "force-calibrate", "json", "timeout", "route", "connected", "wait", "host", "list --names"}) {
+        for (const auto* word : {"discover", "identity", "get",       "set",  "dump",       "command",         "call",
+                                 "axis",     "io",       "open",      "list", "completion", "force-calibrate", "json",
+                                 "timeout",  "route",    "connected", "wait", "host",       "list --names"}) {
             EXPECT_THAT(text, HasSubstr(word)) << shell;
         }
     }

@@ -134,14 +134,55 @@ TEST_F(IoEndToEnd, CtrlCIsHowItEnds) {
     EXPECT_THAT(result.out, AllOf(HasSubstr("interval, granted 10.000 ms"), Not(HasSubstr("Statusword"))));
 }
 
+/// Somebody owns a device as soon as its identity says so.
+void wait_for_owner(const std::string& host) {
+    for (int i = 0; i < 500 && run_scanner({"identity", host}).out.find("owned") == std::string::npos; ++i) {
+        std::this_thread::sleep_for(10ms);
+    }
+}
+
+TEST_F(IoEndToEnd, OpensAgainAfterALoss) {
+    std::atomic<int> interruptions{0};
+    test::Run result;
+    std::jthread owner([&] { result = run_scanner({"io", host, "--rpi", "5", "--json"}, {false, &interruptions}); });
+    wait_for_owner(host);
+    crash();
+    start();
+    wait_for_owner(host);
+    interruptions = 1;
+    owner.join();
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("was lost: no datagram came in time; the next try is in 250 ms"));
+    const auto lines = lines_of(result.out);
+    const auto count = [&](const char* event) {
+        return std::ranges::count_if(lines, [&](const json& line) { return line["event"] == event; });
+    };
+    EXPECT_EQ(count("opened"), 2);
+    const auto& end = lines.back()["statistics"];
+    EXPECT_EQ(end["openings"], 2);
+    EXPECT_EQ(end["received"], count("input"));
+    EXPECT_EQ(end["lost"], 0) << "between two openings nothing is lost";
+    // It sends on until it notices the loss: for 16 intervals.
+    EXPECT_GE(end["sent"].get<int>(), end["received"].get<int>());
+}
+
+TEST_F(IoEndToEnd, ALossIsTheEndWhenItIsAskedFor) {
+    test::Run result;
+    std::jthread owner([&] { result = run_scanner({"io", host, "--rpi", "5", "--no-reopen"}); });
+    wait_for_owner(host);
+    crash();
+    owner.join();
+    EXPECT_EQ(result.code, 3);
+    EXPECT_THAT(result.err, AllOf(HasSubstr("was lost"), Not(HasSubstr("next try"))));
+    EXPECT_THAT(result.out, HasSubstr(" s: sent "));
+    start();
+}
+
 TEST_F(IoEndToEnd, ASecondOwnerIsRefused) {
     std::atomic<int> interruptions{0};
     test::Run first;
     std::jthread owner([&] { first = run_scanner({"io", host}, {false, &interruptions}); });
-    // Somebody owns it as soon as its identity says so.
-    for (int i = 0; i < 500 && run_scanner({"identity", host}).out.find("owned") == std::string::npos; ++i) {
-        std::this_thread::sleep_for(10ms);
-    }
+    wait_for_owner(host);
     const auto second = run_scanner({"open", host});
     EXPECT_EQ(second.code, 4);
     EXPECT_THAT(second.err, AllOf(HasSubstr("0x0106"), Not(HasSubstr("next try"))));

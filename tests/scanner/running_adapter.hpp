@@ -22,7 +22,10 @@ namespace servobus::scanner::test {
 
 class RunningAdapter : public testing::Test {
 protected:
-    void SetUp() override {
+    void SetUp() override { start(); }
+    void TearDown() override { stop(); }
+
+    void start() {
         const auto adapter = std::string(SERVOBUS_BIN_DIR) + "/servobus-adapter";
         // A loopback address that no other test has.
         const auto number = static_cast<unsigned>(getpid()) & 0xFFFFU;
@@ -44,13 +47,13 @@ protected:
         FAIL() << "the adapter does not answer";
     }
 
-    void TearDown() override {
-        if (adapter_ <= 0) return;
-        kill(adapter_, SIGTERM);
-        int status = 0;
-        waitpid(adapter_, &status, 0);
+    /// In good manners.
+    void stop() {
+        const int status = end(SIGTERM);
         EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
     }
+    /// As when its power goes.
+    void crash() { (void)end(SIGKILL); }
 
     std::string file(const std::string& name) const {
         return (std::filesystem::temp_directory_path() / ("servobus-" + std::to_string(getpid()) + name)).string();
@@ -75,6 +78,15 @@ protected:
     std::string host;
 
 private:
+    int end(int signal) {
+        int status = 0;
+        if (adapter_ <= 0) return status;
+        kill(adapter_, signal);
+        waitpid(adapter_, &status, 0);
+        adapter_ = 0;
+        return status;
+    }
+
     pid_t adapter_ = 0;
 };
 
