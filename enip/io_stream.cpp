@@ -9,9 +9,6 @@ namespace {
 
 using std::chrono::microseconds;
 
-/// Deadlines of different connections fall on multiples of this.
-constexpr microseconds production_grid{250};
-
 /// Intervals that a producer makes up for when it comes late.
 constexpr int most_intervals_late = 16;
 

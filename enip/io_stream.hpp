@@ -128,8 +128,11 @@ private:
     Counters counters_{};
 };
 
+/// Deadlines of different connections fall on multiples of this.
+inline constexpr std::chrono::microseconds production_grid{250};
+
 /// The first deadline of a producer that may start at `now`: on a grid that all producers share, so that many of them
-/// are due together and leave in one system call. At most `interval` later.
+/// are due together and leave in one system call. At most `interval`, and at most production_grid, later.
 [[nodiscard]] Time first_deadline(Time now, std::chrono::microseconds interval);
 
 }  // namespace servobus::enip

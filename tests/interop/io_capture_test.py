@@ -111,9 +111,9 @@ class Direction:
         span = (self.packets[-1][1] - self.packets[0][1]) * 1e6
         print(f"{self.name}: {len(self.packets)} datagrams, granted {self.interval} us, mean {span / len(pairs):.1f} us, "
               f"error p50 {errors[len(errors) // 2]:.0f} us, p99 {errors[len(errors) * 99 // 100]:.0f} us")
-        # A machine that is busy makes datagrams late. Nothing makes more of them than were granted: but one that was
-        # late at the beginning, and one that was not at the end.
-        check(len(pairs) <= span / self.interval + 2, f"{self.name}: more datagrams than the granted interval has room for")
+        # A machine that is busy makes datagrams late, and who is late sends what was missed at once, up to 16 intervals.
+        # More than that were never granted.
+        check(len(pairs) <= span / self.interval + 16 + 1, f"{self.name}: more datagrams than the granted interval has room for")
         check(self.closed is not None, f"{self.name} was never closed")
         # What is on its way when the request comes is the originator's affair, who hears of the end by the reply.
         check("T->O" not in self.name or self.packets[-1][0] < self.closed,
