@@ -251,6 +251,7 @@ void IoSession::on_grant(IoGrant grant, enip::Time now) {
     if (!options_.plan.is_null()) start_streams(grant, now);
     enter(IoState::open);
     if (events_.opened) events_.opened(opened);
+    take_early();
     if (options_.plan.is_null() && state_ == IoState::open) finish_close({}, now);  // there is nothing to keep
 }
 
@@ -381,6 +382,7 @@ void IoSession::tear_down() {
     stop_awaiting();
     expect(std::nullopt);
     group_.reset();
+    early_.clear();
     surroundings_.stop_listening();
 }
 
@@ -397,15 +399,35 @@ IoSession::Reception IoSession::on_datagram(const IoArrival& arrival) {
     if (arrival.peer.address != ends_.remote.address) return Reception::wrong_source;
     const bool way_fits = group_ ? arrival.local == *group_ : !enip::is_multicast(arrival.local.address);
     if (!way_fits) return Reception::wrong_source;
-    // What was on its way before the target has opened this connection belongs to an earlier one.
-    if (state_ != IoState::open || arrival.time < opened_at_) return Reception::taken;
+    if (state_ == IoState::opening) keep_early(arrival);
+    // A group and its id are older than this connection, and so may a datagram be; an id of our own is never.
+    if (state_ == IoState::open && (!group_ || arrival.time >= opened_at_)) take(arrival);
+    return Reception::taken;
+}
+
+void IoSession::keep_early(const IoArrival& arrival) {
+    if (early_.size() == max_early_datagrams) early_.erase(early_.begin());
+    early_.push_back({arrival, {arrival.octets.begin(), arrival.octets.end()}});
+}
+
+void IoSession::take_early() {
+    for (auto& [arrival, octets] : std::exchange(early_, {})) {
+        const auto packet = enip::IoPacket::parse(octets);
+        if (!packet || packet->connection_id != expected_id_ || state_ != IoState::open) continue;
+        arrival.octets = octets;
+        arrival.packet = *packet;
+        take(arrival);
+    }
+}
+
+void IoSession::take(const IoArrival& arrival) {
     if (events_.packet) {
         events_.packet(
             {.source = arrival.peer, .destination = arrival.local, .octets = arrival.octets, .time = arrival.time});
     }
     using Verdict = enip::IoConsumer::Verdict;
-    const auto taken = consumer_.take(arrival.packet, arrival.time);
-    if (taken.verdict != Verdict::fresh && taken.verdict != Verdict::repeated) return Reception::taken;
+    const auto taken = consumer_.take(arrival.packet, std::max(arrival.time, opened_at_));
+    if (taken.verdict != Verdict::fresh && taken.verdict != Verdict::repeated) return;
     if (consumer_.counters().accepted == 1) pause_ = options_.first_pause;
     if (events_.input) {
         events_.input({.data = taken.data,
@@ -415,7 +437,6 @@ IoSession::Reception IoSession::on_datagram(const IoArrival& arrival) {
                        .time = arrival.time,
                        .counters = consumer_.counters()});
     }
-    return Reception::taken;
 }
 
 std::optional<enip::Time> IoSession::next_deadline() const {

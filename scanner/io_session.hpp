@@ -24,6 +24,9 @@ namespace servobus::scanner {
 /// What a connection may ask for in one direction, so that its datagrams fit the buffers.
 inline constexpr std::size_t max_io_connection_size = 8000;
 
+/// Datagrams that are kept while the reply to the Forward_Open, which they have overtaken, is on its way; the latest ones.
+inline constexpr std::size_t max_early_datagrams = 16;
+
 /// A datagram that carries the T->O id of a connection.
 struct IoArrival {
     enip::Endpoint peer;
@@ -116,6 +119,9 @@ private:
     void tear_down();
     void expect(std::optional<std::uint32_t> id);
     [[nodiscard]] std::chrono::milliseconds next_pause(const IoClosed& closed);
+    void keep_early(const IoArrival& arrival);
+    void take_early();
+    void take(const IoArrival& arrival);
     void produce(enip::Time now, enip::IoQueue& queue);
     bool ask_for_output();
 
@@ -145,6 +151,11 @@ private:
     std::optional<std::uint32_t> expected_id_{};
     std::optional<enip::Endpoint> group_{};
     enip::Time opened_at_{};
+    struct Early {
+        IoArrival arrival;
+        cip::Bytes octets;
+    };
+    std::vector<Early> early_;
     enip::IoConsumer consumer_{};
     enip::IoProducer producer_{};
     std::vector<std::uint8_t> output_;

@@ -1,6 +1,7 @@
 // Measures class 1 traffic in the terms of the ODVA performance test documents, beside floors measured in the same run:
 // packet interval against the granted one, jitter, drift, action and response latency, throughput, CPU. It reports and
 // never fails on a figure; it ends with 3 when it cannot measure at all.
+#include <sched.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -32,6 +33,7 @@ int run(int argc, char** argv) {
     std::vector<std::string> chosen{"floors", "target", "latency", "throughput", "originator", "many"};
     std::vector<double> many_ms;
     std::string json;
+    int priority = 0;
 
     CLI::App app("Measures class 1 traffic of the adapter and of the originator, beside floors.", "servobus_io_bench");
     std::vector<std::string> names = chosen;
@@ -47,6 +49,8 @@ int run(int argc, char** argv) {
     app.add_option("--adapter", settings.adapter, "The program servobus-adapter");
     app.add_option("--adapter-option", settings.adapter_options, "Handed on to it; may be given again")
         ->allow_extra_args(false);
+    app.add_option("--realtime", priority, "Runs all of it, floors too, with this real-time priority (SCHED_FIFO)")
+        ->check(CLI::Range(1, 99));
     app.add_option("--json", json, "Writes the figures to this file as well");
     CLI11_PARSE(app, argc, argv);
 
@@ -54,7 +58,11 @@ int run(int argc, char** argv) {
         settings.many_intervals_us.clear();
         for (const auto ms : many_ms) settings.many_intervals_us.push_back(static_cast<std::uint32_t>(ms * 1000));
     }
+    // Every process of the benchmark inherits it.
+    const sched_param realtime{priority};
+    if (priority > 0 && ::sched_setscheduler(0, SCHED_FIFO, &realtime) != 0) give_up_errno("--realtime");
     Report report;
+    report.set("realtime_priority", priority);
     report.set("seconds", settings.seconds);
     report.set("cores", ::sysconf(_SC_NPROCESSORS_ONLN));
     for (const auto& part : chosen) parts.at(part)(settings, report);

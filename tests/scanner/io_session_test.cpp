@@ -415,6 +415,49 @@ TEST(IoSession, AfterATimeoutItClosesAndOpensAnew) {  // R-CON-21
     EXPECT_EQ(bench.opened.at(1).attempt, 2U);
 }
 
+TEST(IoSession, WhatOvertakesTheReplyIsNotLost) {
+    IoBench bench;
+    bench.open();
+    bench.reach();
+    bench.id = bench.asked_open().t_to_o_id;
+    const auto first = bench.now;
+    bench.receive(bench.t_to_o(1, 1));
+    bench.receive(bench.t_to_o(2, 2), {device.address + 1, 2222});  // from elsewhere
+    EXPECT_TRUE(bench.inputs.empty());
+    bench.now += 20ms;
+    bench.grant();
+    ASSERT_EQ(bench.inputs.size(), 1U);
+    EXPECT_EQ(bench.inputs[0].sequence, 1U);
+    EXPECT_EQ(bench.session.received().accepted, 1U);
+    bench.pass(159ms);
+    EXPECT_EQ(bench.session.state(), IoState::open);  // the watchdog started with the reply
+    EXPECT_GT(bench.now, first + 160ms);
+    bench.pass(1ms);
+    EXPECT_EQ(bench.session.state(), IoState::waiting);
+}
+
+TEST(IoSession, KeepsOnlySomeOfWhatOvertakesTheReply) {
+    IoBench bench;
+    bench.open();
+    bench.reach();
+    bench.id = bench.asked_open().t_to_o_id;
+    for (std::uint32_t i = 1; i <= max_early_datagrams + 1; ++i) bench.receive(bench.t_to_o(i, 1));
+    bench.grant();
+    EXPECT_EQ(bench.inputs.size(), max_early_datagrams);
+    EXPECT_EQ(bench.inputs.at(0).sequence, 2U);
+}
+
+TEST(IoSession, ARefusedOpenForgetsWhatCameEarly) {
+    IoBench bench(without_reopen());
+    bench.open();
+    bench.reach();
+    bench.id = bench.asked_open().t_to_o_id;
+    bench.receive(bench.t_to_o(1, 1));
+    bench.refuse(ConnectionFailure::ownership_conflict);
+    bench.run();
+    EXPECT_TRUE(bench.inputs.empty());
+}
+
 TEST(IoSession, ADatagramOfAnEarlierLifeCountsForNothing) {
     IoBench bench(multicast());
     bench.open();

@@ -71,6 +71,7 @@ void compare_with_floors(const Settings& settings, const std::string& product, c
     const auto add = [&](const std::string& what, const SenderRun& figures) {
         auto row = interval_row(what, condition, figures.intervals);
         row["cpu_us_per_packet"] = rounded(figures.cpu_us);
+        row["closed"] = figures.closed;
         report.add(row);
         return row;
     };

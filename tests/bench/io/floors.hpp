@@ -13,7 +13,8 @@ namespace servobus::bench {
 /// What somebody's datagrams are like at the receiver, and what one costs his process.
 struct SenderRun {
     Intervals intervals;
-    double cpu_us = 0;  ///< per packet
+    double cpu_us = 0;       ///< per packet
+    std::size_t closed = 0;  ///< how often the connection was lost and opened again
 };
 [[nodiscard]] SenderRun bare_sender(const Settings& settings, double seconds);
 

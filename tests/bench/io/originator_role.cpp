@@ -67,10 +67,18 @@ public:
             pooled.pool(intervals);
         }
         const auto jitter = pooled.jitter();
-        return {
-            {"sent", sent},      {"skipped", skipped}, {"received", pooled.packets}, {"lost", lost},
-            {"stale", stale},    {"closed", closed},   {"least_kept", least_kept},   {"drift_ppm", pooled.drift_ppm},
-            {"p50", jitter.p50}, {"p99", jitter.p99},  {"p999", jitter.p999},        {"max", jitter.max}};
+        return {{"sent", sent},
+                {"skipped", skipped},
+                {"received", pooled.packets},
+                {"lost", lost},
+                {"stale", stale},
+                {"closed", closed},
+                {"least_kept", least_kept},
+                {"drift_ppm", pooled.drift_ppm ? nlohmann::json(*pooled.drift_ppm) : nlohmann::json()},
+                {"p50", jitter.p50},
+                {"p99", jitter.p99},
+                {"p999", jitter.p999},
+                {"max", jitter.max}};
     }
 
 private:

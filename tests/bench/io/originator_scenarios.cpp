@@ -21,13 +21,15 @@ Child start_originator(const Settings& settings, std::size_t drives, std::uint32
 
 SenderRun originator_sends(const Settings& settings) {
     FakeTarget target(settings.address);
-    const auto originator = start_originator(settings, 1, settings.interval_us);
+    auto originator = start_originator(settings, 1, settings.interval_us);
     const auto before = originator.cpu();
     const auto run = run_io(target.receiver(), std::nullopt, {.seconds = settings.seconds});
     SenderRun result{.intervals = Intervals::of(run.arrivals, settings.interval_us)};
     // It also takes a T->O datagram for each.
     result.cpu_us =
         static_cast<double>(originator.cpu() - before) / 1000 / (2.0 * static_cast<double>(run.arrivals.size()));
+    const auto said = nlohmann::json::parse(originator.stop(), nullptr, false);
+    if (said.is_object()) result.closed = said.value("closed", std::size_t{0});
     return result;
 }
 
@@ -64,7 +66,8 @@ void measure_drives(const Settings& settings, std::uint32_t interval_us, Report&
     row["least_kept_percent"] = std::round(said.at("least_kept").get<double>() * 1e5) / 1e3;
     for (const auto* key : {"p50", "p99", "p999", "max"})
         row[std::string(key) + "_us"] = rounded(said.at(key).get<double>());
-    row["drift_ppm"] = rounded(said.at("drift_ppm").get<double>());
+    row["drift_ppm"] =
+        said.at("drift_ppm").is_number() ? Row(rounded(said.at("drift_ppm").get<double>())) : Row(nullptr);
     row["adapter_core_percent"] = of_a_core(adapter_cpu);
     row["originator_core_percent"] = of_a_core(originator_cpu);
     row["cpu_us_per_packet"] = rounded(static_cast<double>(adapter_cpu + originator_cpu) / 1000 / packets);

@@ -57,7 +57,7 @@ Row interval_row(const std::string& what, const std::string& condition, const In
     row["lost"] = intervals.lost;
     row["disorder"] = intervals.disorder;
     put(row, intervals.jitter());
-    row["drift_ppm"] = std::round(intervals.drift_ppm * 10) / 10;
+    row["drift_ppm"] = intervals.drift_ppm ? Row(std::round(*intervals.drift_ppm * 10) / 10) : Row(nullptr);
     return row;
 }
 

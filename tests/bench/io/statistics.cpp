@@ -53,7 +53,7 @@ Intervals Intervals::of(std::span<const Arrival> arrivals, double granted_us) {
     }
     const auto span_us = static_cast<double>(arrivals.back().time - arrivals.front().time) / 1000;
     result.kept = static_cast<double>(arrivals.size() - 1) / std::max(1.0, std::round(span_us / granted_us));
-    result.drift_ppm = (slope(arrivals) / granted_us - 1) * 1e6;
+    if (result.disorder == 0) result.drift_ppm = (slope(arrivals) / granted_us - 1) * 1e6;
     return result;
 }
 
@@ -67,7 +67,7 @@ void Intervals::pool(const Intervals& other) {
     packets += other.packets;
     lost += other.lost;
     disorder += other.disorder;
-    if (std::abs(other.drift_ppm) > std::abs(drift_ppm)) drift_ppm = other.drift_ppm;
+    if (other.drift_ppm && std::abs(*other.drift_ppm) > std::abs(drift_ppm.value_or(0))) drift_ppm = other.drift_ppm;
     errors.insert(errors.end(), other.errors.begin(), other.errors.end());
 }
 

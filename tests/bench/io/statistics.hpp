@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,10 +34,12 @@ struct Arrival {
 struct Intervals {
     double granted_us = 0;
     std::size_t packets = 0;
-    std::size_t lost = 0;        ///< sequence numbers that were left out
-    std::size_t disorder = 0;    ///< duplicated or not newer than the one before
-    double kept = 0;             ///< packets of those that the granted interval promises; 1 is all
-    double drift_ppm = 0;        ///< by least squares over all arrivals; positive: slower than granted
+    std::size_t lost = 0;      ///< sequence numbers that were left out
+    std::size_t disorder = 0;  ///< duplicated or not newer than the one before
+    double kept = 0;           ///< packets of those that the granted interval promises; 1 is all
+    /// By least squares over all arrivals; positive: slower than granted. None when numbers went back: the connection
+    /// was opened again.
+    std::optional<double> drift_ppm{};
     std::vector<double> errors;  ///< |measured - granted|, in microseconds
 
     [[nodiscard]] static Intervals of(std::span<const Arrival> arrivals, double granted_us);
