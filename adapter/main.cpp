@@ -25,6 +25,7 @@
 #include "adapter/scenario.hpp"
 #include "adapter/version.hpp"
 #include "drive/xenax.hpp"
+#include "enip/asio/scheduling.hpp"
 #include "enip/asio/target_server.hpp"
 
 namespace {
@@ -58,6 +59,7 @@ struct Arguments {
     std::optional<std::uint64_t> seed;
     std::optional<std::string> scenario;
     std::vector<std::string> controls;
+    servobus::enip::asio::Scheduling scheduling;
     bool list_axes = false;
     bool ready_json = false;
 };
@@ -94,6 +96,15 @@ void add_machine_options(CLI::App& app, Arguments& arguments) {
                  "Say in one line of JSON that it listens, and where: for programs that start this one");
 }
 
+void add_scheduling_options(CLI::App& app, servobus::enip::asio::Scheduling& scheduling) {
+    app.add_option("--realtime", scheduling.realtime_priority,
+                   "Runs with this real-time priority (SCHED_FIFO, 1 to 99), for even packet intervals on a busy machine")
+        ->type_name("PRIORITY")
+        ->check(CLI::Range(1, 99));
+    app.add_flag("--lock-memory", scheduling.lock_memory, "Keeps all of its memory in RAM");
+    app.add_option("--cpu", scheduling.cpu, "The only CPU that it runs on")->type_name("N")->check(CLI::Range(0, 1023));
+}
+
 // Nullopt: go on. Otherwise the exit code: help was asked for, or the usage is wrong.
 std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     CLI::App app("A virtual Jenny Science XENAX Xvi servo drive on EtherNet/IP.", "servobus-adapter");
@@ -117,6 +128,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     app.add_option("--log-level", arguments.log_level, "How much to say on stderr (info unless given)")
         ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}));
     add_machine_options(app, arguments);
+    add_scheduling_options(app, arguments.scheduling);
     app.set_version_flag("--version", std::string("servobus-adapter ") + servobus::adapter::version);
     app.footer(
         "Examples:\n"
@@ -125,6 +137,8 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         "  servobus-adapter --bind 192.168.1.20      on the network; read SECURITY.md first\n"
         "  servobus-adapter --bind 127.0.1.1 --count 8\n"
         "                                            eight of them, at 127.0.1.1 to 127.0.1.8\n"
+        "  servobus-adapter --realtime 20 --lock-memory --cpu 1\n"
+        "                                            with even packet intervals beside other work\n"
         "  servobus-adapter --config drive.json      with identity, start values and limits of its own\n"
         "  servobus-adapter --axis linax-lxc-230f10 --control -\n"
         "                                            with that axis, and events from standard input\n"
@@ -343,6 +357,7 @@ int run(int argc, char** argv) {
     const auto binds = arguments.binds.size() > 1 ? arguments.binds : std::vector{config.bind};
     const auto addresses = servobus::adapter::drive_addresses(binds, config.count);
     if (const auto* reason = std::get_if<std::string>(&addresses)) return fail(wrong_usage, *reason);
+    if (const auto refused = servobus::enip::asio::apply(arguments.scheduling)) return fail(wrong_usage, *refused);
     return serve(config, files, std::get<std::vector<std::string>>(addresses), arguments);
 }
 
