@@ -32,6 +32,9 @@ constexpr std::size_t held_octets = std::size_t{16} * 1024;
 // Replies of one TCP connection that are late on purpose; more are not sent.
 constexpr std::size_t late_replies = 1024;
 
+// Shortly before an I/O datagram is due, requests are answered one at a time, so that it does not wait for a whole turn.
+constexpr std::chrono::microseconds io_comes_first{100};
+
 bool is_list(Command command) {
     return command == Command::list_services || command == Command::list_identity ||
            command == Command::list_interfaces;
@@ -220,13 +223,19 @@ std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time
 
 void Adapter::take_messages(Connection& connection, cip::ByteView& rest, enip::Time now) {
     std::size_t messages = 0;
+    const auto turn = io_is_due_by(now + io_comes_first) ? 1 : limits_.messages_per_turn;
     while (!rest.empty() && !connection.closing && connection.replies.size() < limits_.queued_bytes &&
-           messages < limits_.messages_per_turn) {
+           messages < turn) {
         const auto message = connection.decoder.next(rest);
         if (!message) continue;
         on_message(connection, *message, now);
         ++messages;
     }
+}
+
+bool Adapter::io_is_due_by(enip::Time time) const {
+    const auto next = manager_->io().next_deadline();
+    return next && faults_.true_time(*next) <= time;
 }
 
 void Adapter::hold_octets(Connection& connection, cip::ByteView octets) {

@@ -131,6 +131,7 @@ private:
     bool apply(const Happening& event, enip::Time now);
     bool begin(const NetworkFault& fault, enip::Time now);
     void restart_by_power();
+    [[nodiscard]] bool io_is_due_by(enip::Time time) const;
     void take_messages(Connection& connection, cip::ByteView& rest, enip::Time now);
     void hold_octets(Connection& connection, cip::ByteView octets);
     void take_held_octets(enip::Time now);

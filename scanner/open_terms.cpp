@@ -7,6 +7,7 @@
 
 #include "cip/hex.hpp"
 #include "enip/io_stream.hpp"
+#include "scanner/io_words.hpp"
 
 namespace servobus::scanner {
 namespace {
@@ -30,20 +31,6 @@ std::string_view type_text(cip::ConnectionType type) {
     return "";
 }
 
-std::string_view priority_text(cip::Priority priority) {
-    switch (priority) {
-        case cip::Priority::low:
-            return "low";
-        case cip::Priority::high:
-            return "high";
-        case cip::Priority::scheduled:
-            return "scheduled";
-        case cip::Priority::urgent:
-            return "urgent";
-    }
-    return "";
-}
-
 std::string_view trigger_text(std::uint8_t trigger) {
     constexpr std::string_view names[] = {"cyclic", "change of state", "application triggered"};
     return trigger < std::size(names) ? names[trigger] : "with a reserved trigger";
@@ -55,7 +42,7 @@ std::string direction_text(std::string_view name, std::optional<std::uint32_t> p
     if (point) text += fmt::format("point {}, ", *point);
     text += fmt::format("size {}, {}, {}, {} priority, every {}", parameters.size,
                         parameters.variable ? "variable" : "fixed", type_text(parameters.type),
-                        priority_text(parameters.priority), duration_text(std::chrono::microseconds(rpi)));
+                        word_of(priority_words, parameters.priority), duration_text(std::chrono::microseconds(rpi)));
     if (parameters.redundant_owner) text += ", redundant owner";
     return text;
 }

@@ -6,52 +6,13 @@
 #include <string_view>
 
 #include "cip/hex.hpp"
+#include "scanner/io_words.hpp"
 
 namespace servobus::scanner {
 namespace {
 
 using Words = std::vector<std::string>;
 using Microseconds = std::chrono::microseconds;
-
-std::string_view option_of(cip::RealTimeFormat format) {
-    switch (format) {
-        case cip::RealTimeFormat::modeless:
-            return "modeless";
-        case cip::RealTimeFormat::zero_length:
-            return "zero-length";
-        case cip::RealTimeFormat::heartbeat:
-            return "heartbeat";
-        case cip::RealTimeFormat::header32:
-            return "header32";
-    }
-    return "modeless";
-}
-
-std::string_view option_of(enip::Trigger trigger) {
-    switch (trigger) {
-        case enip::Trigger::cyclic:
-            return "cyclic";
-        case enip::Trigger::change_of_state:
-            return "cos";
-        case enip::Trigger::application:
-            return "application";
-    }
-    return "cyclic";
-}
-
-std::string_view option_of(cip::Priority priority) {
-    switch (priority) {
-        case cip::Priority::low:
-            return "low";
-        case cip::Priority::high:
-            return "high";
-        case cip::Priority::scheduled:
-            return "scheduled";
-        case cip::Priority::urgent:
-            return "urgent";
-    }
-    return "scheduled";
-}
 
 /// `10`, `2.5`.
 std::string milliseconds(Microseconds time) { return fmt::format("{}", static_cast<double>(time.count()) / 1000); }
@@ -129,8 +90,8 @@ private:
         add("--t2o-size", fmt::format("{}", in.data_octets));
         add_configuration_instance();
         const auto usual = out.data_octets == 0 ? cip::RealTimeFormat::heartbeat : usual_.o_to_t.format;
-        if (out.format != usual) add("--o2t-format", std::string(option_of(out.format)));
-        if (in.format != usual_.t_to_o.format) add("--t2o-format", std::string(option_of(in.format)));
+        if (out.format != usual) add("--o2t-format", std::string(word_of(format_words, out.format)));
+        if (in.format != usual_.t_to_o.format) add("--t2o-format", std::string(word_of(format_words, in.format)));
     }
     void add_intervals() {
         const auto out = plan_.o_to_t.rpi;
@@ -147,10 +108,10 @@ private:
         if (plan_.multiplier_code != usual_.multiplier_code) {
             add("--multiplier", fmt::format("{}", 4U << std::min<unsigned>(plan_.multiplier_code, 7)));
         }
-        if (plan_.trigger != usual_.trigger) add("--trigger", std::string(option_of(plan_.trigger)));
+        if (plan_.trigger != usual_.trigger) add("--trigger", std::string(word_of(trigger_words, plan_.trigger)));
         if (plan_.inhibit) add("--inhibit", milliseconds(*plan_.inhibit));
         if (plan_.o_to_t.priority != usual_.o_to_t.priority) {
-            add("--priority", std::string(option_of(plan_.o_to_t.priority)));
+            add("--priority", std::string(word_of(priority_words, plan_.o_to_t.priority)));
         }
         if (plan_.o_to_t.variable || plan_.t_to_o.variable) add("--variable");
         if (plan_.large) add("--large");

@@ -13,32 +13,12 @@
 #include "cip/hex.hpp"
 #include "drive/text.hpp"
 #include "scanner/cli/duration.hpp"
+#include "scanner/io_words.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
 
 using std::chrono::microseconds;
-template <class Value>
-using Word = std::pair<std::string_view, Value>;
-
-constexpr std::array formats{
-    Word<cip::RealTimeFormat>{"header32", cip::RealTimeFormat::header32},
-    Word<cip::RealTimeFormat>{"modeless", cip::RealTimeFormat::modeless},
-    Word<cip::RealTimeFormat>{"heartbeat", cip::RealTimeFormat::heartbeat},
-    Word<cip::RealTimeFormat>{"zero-length", cip::RealTimeFormat::zero_length},
-};
-constexpr std::array triggers{
-    Word<enip::Trigger>{"cyclic", enip::Trigger::cyclic},
-    Word<enip::Trigger>{"cos", enip::Trigger::change_of_state},
-    Word<enip::Trigger>{"application", enip::Trigger::application},
-};
-constexpr std::array priorities{
-    Word<cip::Priority>{"low", cip::Priority::low},
-    Word<cip::Priority>{"high", cip::Priority::high},
-    Word<cip::Priority>{"scheduled", cip::Priority::scheduled},
-    Word<cip::Priority>{"urgent", cip::Priority::urgent},
-};
-
 /// The value of a word; an empty text leaves it as it is.
 template <class Value, std::size_t size>
 std::optional<Mistake> take_word(std::string_view option, std::string_view text,
@@ -173,10 +153,10 @@ private:
 
     std::optional<Mistake> take_formats() {
         auto& plan = task_.plan;
-        if (auto mistake = take_word("--o2t-format", arguments_.o_to_t_format, formats, plan.o_to_t.format)) {
+        if (auto mistake = take_word("--o2t-format", arguments_.o_to_t_format, format_words, plan.o_to_t.format)) {
             return mistake;
         }
-        if (auto mistake = take_word("--t2o-format", arguments_.t_to_o_format, formats, plan.t_to_o.format)) {
+        if (auto mistake = take_word("--t2o-format", arguments_.t_to_o_format, format_words, plan.t_to_o.format)) {
             return mistake;
         }
         for (auto* direction : {&plan.o_to_t, &plan.t_to_o}) {
@@ -201,8 +181,8 @@ private:
         // Only what others get too can be listened to (R-CON-32).
         const bool listens = task_.known != nullptr && task_.known->kind == assemblies::Connection::Kind::listen_only;
         if (arguments_.multicast || listens) plan.t_to_o.type = cip::ConnectionType::multicast;
-        if (auto mistake = take_word("--trigger", arguments_.trigger, triggers, plan.trigger)) return mistake;
-        if (auto mistake = take_word("--priority", arguments_.priority, priorities, plan.o_to_t.priority)) {
+        if (auto mistake = take_word("--trigger", arguments_.trigger, trigger_words, plan.trigger)) return mistake;
+        if (auto mistake = take_word("--priority", arguments_.priority, priority_words, plan.o_to_t.priority)) {
             return mistake;
         }
         plan.t_to_o.priority = plan.o_to_t.priority;
@@ -281,10 +261,7 @@ Parsed<microseconds> parse_interval(std::string_view option, std::string_view te
     return Mistake{fmt::format("{}: '{}' is no number of milliseconds from 0.001 to 4294967.295", option, text)};
 }
 
-std::string_view format_key(cip::RealTimeFormat format) {
-    const auto found = std::ranges::find(formats, format, &Word<cip::RealTimeFormat>::second);
-    return found != formats.end() ? found->first : std::string_view();
-}
+std::string_view format_key(cip::RealTimeFormat format) { return scanner::word_of(format_words, format); }
 
 std::string connection_keys() {
     std::vector<std::string_view> keys;
