@@ -97,8 +97,9 @@ void add_machine_options(CLI::App& app, Arguments& arguments) {
 }
 
 void add_scheduling_options(CLI::App& app, servobus::enip::asio::Scheduling& scheduling) {
-    app.add_option("--realtime", scheduling.realtime_priority,
-                   "Runs with this real-time priority (SCHED_FIFO, 1 to 99), for even packet intervals on a busy machine")
+    app.add_option(
+           "--realtime", scheduling.realtime_priority,
+           "Runs with this real-time priority (SCHED_FIFO, 1 to 99), for even packet intervals on a busy machine")
         ->type_name("PRIORITY")
         ->check(CLI::Range(1, 99));
     app.add_flag("--lock-memory", scheduling.lock_memory, "Keeps all of its memory in RAM");
