@@ -25,10 +25,10 @@ std::uint16_t size_limit(const Limits& limits) {
 }  // namespace
 
 OpenResult<void> ExplicitConnections::check(const cip::ForwardOpen& open) const {
-    if (const auto sound = check_transport(open); !sound) return sound;
-    if (const auto sound = check_path(open.path); !sound) return sound;
-    if (const auto sound = check_rpi(open, 0); !sound) return sound;
-    if (const auto sound = check_sizes(open); !sound) return sound;
+    if (auto sound = check_transport(open); !sound) return sound;
+    if (auto sound = check_path(open.path); !sound) return sound;
+    if (auto sound = check_rpi(open, 0); !sound) return sound;
+    if (auto sound = check_sizes(open); !sound) return sound;
     if (connections_.size() < limits_.class3_connections) return {};
     return OpenRefusal{cip::ConnectionFailure::out_of_connections,
                        fmt::format("all {} class 3 connections are in use", limits_.class3_connections)};

@@ -247,7 +247,7 @@ Production& IoConnections::produce(const cip::ForwardOpen& request, const IoOpen
     // Not at once, though within an interval (R-CON-50), so that the originator has read the reply when the first comes.
     constexpr microseconds reading_time{1000};
     const auto wait = std::min(interval, reading_time) - std::min(interval, enip::production_grid);
-    production->producer = enip::IoProducer(std::move(settings), enip::first_deadline(origin.now + wait, interval));
+    production->producer = enip::IoProducer(settings, enip::first_deadline(origin.now + wait, interval));
     productions_.push_back(std::move(production));
     return *productions_.back();
 }

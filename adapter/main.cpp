@@ -30,7 +30,6 @@
 
 namespace {
 
-using servobus::adapter::Adapter;
 using servobus::adapter::Config;
 using servobus::adapter::Control;
 using servobus::adapter::DeviceFile;

@@ -61,8 +61,8 @@ IoConsumer::Arrival IoConsumer::take(const IoPacket& packet, Time now) {
     return arrival;
 }
 
-IoProducer::IoProducer(Settings settings, Time first)
-    : settings_(std::move(settings)), deadline_(first), last_data_(settings_.data_octets) {}
+IoProducer::IoProducer(const Settings& settings, Time first)
+    : settings_(settings), deadline_(first), last_data_(settings_.data_octets) {}
 
 Time IoProducer::deadline() const { return changed_ ? std::min(deadline_, inhibited_until_) : deadline_; }
 

@@ -101,7 +101,7 @@ public:
 
     IoProducer() = default;
     /// The first datagram is due at `first`.
-    IoProducer(Settings settings, Time first);
+    IoProducer(const Settings& settings, Time first);
 
     /// When the next datagram is due: the interval's end, or that of the inhibit time while a change waits.
     [[nodiscard]] Time deadline() const;

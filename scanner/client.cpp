@@ -716,7 +716,7 @@ void Client::start_exchange(const Shared& impl, cip::Request request, std::vecto
     };
     net::dispatch(impl->strand, [impl, id, request = std::move(request), items = std::move(items), beside, options,
                                  done = CallDone(then, impl->strand)]() mutable {
-        impl->exchange(id, request, std::move(items), std::move(beside), options, std::move(done));
+        impl->exchange(id, request, std::move(items), beside, options, std::move(done));
     });
 }
 

@@ -17,7 +17,7 @@ public:
     /// What is longer counts as this: 36 minutes, more than the longest timeout of a connection (R-CON-6).
     static constexpr Duration longest{(std::int64_t{1} << 41) - 1};
     /// Cells for that; they are there only as far as they are used.
-    static constexpr std::size_t max_cells = 32 * 1024;
+    static constexpr std::size_t max_cells = std::size_t{32} * 1024;
 
     /// What is negative counts as 0.
     void add(Duration duration);

@@ -184,8 +184,8 @@ net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::Connec
     std::array<std::uint8_t, read_buffer_octets> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     auto& peer = peers_[id];
     while (!stopped_) {
-        for (auto late = target_.take_replies(id); !late.empty(); late = target_.take_replies(id)) {
-            const auto [failed, written] = co_await net::async_write(socket, net::buffer(late), awaited);
+        for (auto overdue = target_.take_replies(id); !overdue.empty(); overdue = target_.take_replies(id)) {
+            const auto [failed, written] = co_await net::async_write(socket, net::buffer(overdue), awaited);
             if (failed) co_return;
         }
         if (target_.wants_close(id)) {

@@ -30,6 +30,7 @@ std::optional<Mistake> take_word(std::string_view option, std::string_view text,
         return std::nullopt;
     }
     std::vector<std::string_view> known;
+    known.reserve(words.size());
     for (const auto& word : words) known.push_back(word.first);
     return Mistake{fmt::format("{}: '{}' is none of {}", option, text, fmt::join(known, ", "))};
 }
