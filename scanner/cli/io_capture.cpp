@@ -23,6 +23,25 @@ cip::Request close_request(const cip::ForwardOpen& open) {
     return {cip::service::forward_close, connection_manager(), close.encode()};
 }
 
+enip::Item socket_item(enip::ItemType type, enip::Endpoint endpoint) {
+    return {type, enip::SocketAddress{.port = endpoint.port, .address = endpoint.address}.encode()};
+}
+
+/// Without them nobody could tell where the data of this connection goes (R-CPF-8).
+IoCapture::SocketItems socket_items(const IoOpened& opened) {
+    using enip::ItemType;
+    IoCapture::SocketItems items;
+    const bool multicast = enip::is_multicast(opened.receiver.address);
+    if (multicast) items.reply.push_back(socket_item(ItemType::sockaddr_t_to_o, opened.receiver));
+    if (!multicast && opened.receiver.port != enip::io_port) {
+        items.request.push_back(socket_item(ItemType::sockaddr_t_to_o, {0, opened.receiver.port}));
+    }
+    if (opened.target.port != enip::io_port) {
+        items.reply.push_back(socket_item(ItemType::sockaddr_o_to_t, {0, opened.target.port}));
+    }
+    return items;
+}
+
 }  // namespace
 
 IoCapture::IoCapture(std::ostream& out, std::uint16_t port) : out_(out), writer_(out), port_(port) {}
@@ -31,24 +50,28 @@ CaptureTime IoCapture::time_of(enip::Time time) const {
     return calendar_start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(time - start_);
 }
 
-void IoCapture::exchange(const IoOpened& opened, const cip::Request& request, const cip::Response& response) {
+void IoCapture::exchange(const IoOpened& opened, const cip::Request& request, const cip::Response& response,
+                         const SocketItems& items) {
     const auto time = time_of(std::chrono::steady_clock::now());
     const enip::Endpoint target{opened.target.address, port_};
-    const auto frame = [](const cip::Bytes& message) {
+    const auto frame = [](const cip::Bytes& message, const std::vector<enip::Item>& beside) {
         enip::Frame made;
         made.command = enip::Command::send_rr_data;
         made.session = session;
-        made.data = enip::SendData::unconnected(message).encode();
+        auto data = enip::SendData::unconnected(message);
+        data.packet.items.insert(data.packet.items.end(), beside.begin(), beside.end());
+        made.data = data.encode();
         return made.encode();
     };
-    writer_.tcp(opened.local, target, frame(request.encode()), time);
-    writer_.tcp(target, opened.local, frame(response.encode()), time);
+    writer_.tcp(opened.local, target, frame(request.encode(), items.request), time);
+    writer_.tcp(target, opened.local, frame(response.encode(), items.reply), time);
 }
 
 void IoCapture::opened(const IoOpened& opened) {
     opened_ = opened;
     const auto service = opened.request.large ? cip::service::large_forward_open : cip::service::forward_open;
-    exchange(opened, {service, connection_manager(), opened.request.encode()}, {service, {}, opened.reply.encode()});
+    exchange(opened, {service, connection_manager(), opened.request.encode()}, {service, {}, opened.reply.encode()},
+             socket_items(opened));
 }
 
 void IoCapture::packet(const IoPacketSeen& seen) {
@@ -59,7 +82,7 @@ void IoCapture::closed(const IoClosed& closed, const std::string&) {
     if (!opened_) return;
     if (closed.reason == CloseReason::asked && !closed.error && closed.status.ok()) {
         exchange(*opened_, close_request(opened_->request),
-                 {cip::service::forward_close, {}, cip::ForwardCloseReply{opened_->request.triad, {}}.encode()});
+                 {cip::service::forward_close, {}, cip::ForwardCloseReply{opened_->request.triad, {}}.encode()}, {});
     }
     writer_.tcp_close(opened_->local, {opened_->target.address, port_}, time_of(std::chrono::steady_clock::now()));
     opened_.reset();

@@ -4,7 +4,9 @@
 
 #include <optional>
 #include <ostream>
+#include <vector>
 
+#include "enip/common_packet.hpp"
 #include "scanner/cli/io_runner.hpp"
 #include "scanner/pcapng.hpp"
 
@@ -19,9 +21,16 @@ public:
     void packet(const IoPacketSeen& seen) override;
     void closed(const IoClosed& closed, const std::string& text) override;
 
+    /// What goes beside a request and its reply.
+    struct SocketItems {
+        std::vector<enip::Item> request{};
+        std::vector<enip::Item> reply{};
+    };
+
 private:
     [[nodiscard]] CaptureTime time_of(enip::Time time) const;
-    void exchange(const IoOpened& opened, const cip::Request& request, const cip::Response& response);
+    void exchange(const IoOpened& opened, const cip::Request& request, const cip::Response& response,
+                  const SocketItems& items);
 
     std::ostream& out_;
     PcapngWriter writer_;

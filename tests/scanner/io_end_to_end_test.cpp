@@ -1,6 +1,9 @@
 // I/O connections from the command line against the real adapter.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -105,6 +108,34 @@ TEST_F(IoEndToEnd, RefusalsAreExplained) {
     const auto key = run_scanner({"open", host, "--key", "1/2/3/4.5", "--json"});
     EXPECT_EQ(key.code, 4);
     EXPECT_EQ(json::parse(key.out)["error"]["extended"][0], 0x0114);
+}
+
+// Holds UDP 2222 of this machine's first address, or finds that another program does.
+class UsualPortInUse {
+public:
+    UsualPortInUse() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(2222);
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        (void)::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    }
+    ~UsualPortInUse() { ::close(socket_); }
+    UsualPortInUse(const UsualPortInUse&) = delete;
+    UsualPortInUse& operator=(const UsualPortInUse&) = delete;
+
+private:
+    int socket_;
+};
+
+// The request names the port then (R-CPF-8), and so does the capture.
+TEST_F(IoEndToEnd, CapturesOfAnotherPortAreUnderstood) {
+    const UsualPortInUse usual_port;
+    const auto capture = file(".pcapng");
+    EXPECT_EQ(run_scanner({"io", host, "--duration", "0.2", "--pcapng", capture}).code, 0);
+    const auto diagnosis = run_scanner({"doctor", capture});
+    EXPECT_EQ(diagnosis.code, 0) << diagnosis.out;
+    std::filesystem::remove(capture);
 }
 
 TEST_F(IoEndToEnd, WritesTablesAndCaptures) {
