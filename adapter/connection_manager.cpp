@@ -8,6 +8,7 @@
 #include "adapter/wire_checks.hpp"
 #include "cip/path.hpp"
 #include "cip/services.hpp"
+#include "cip/triad_wire.hpp"
 #include "cip/wire.hpp"
 
 namespace servobus::adapter {
@@ -22,9 +23,7 @@ cip::ConnectionTriad triad_at(cip::ByteView data, std::size_t offset) {
     cip::Reader reader(data);
     reader.take(offset);
     cip::ConnectionTriad triad;
-    reader.field(triad.serial_number);
-    reader.field(triad.originator_vendor);
-    reader.field(triad.originator_serial);
+    cip::describe_triad(reader, triad);
     return reader.ok() ? triad : cip::ConnectionTriad{};
 }
 

@@ -1,15 +1,10 @@
 #include "cip/connection_data.hpp"
 
+#include "cip/triad_wire.hpp"
 #include "cip/wire.hpp"
 
 namespace servobus::cip {
 namespace {
-
-void describe_triad(auto& io, auto& triad) {
-    io.field(triad.serial_number);
-    io.field(triad.originator_vendor);
-    io.field(triad.originator_serial);
-}
 
 void describe_data(auto& io, auto& data) {
     io.field(data.number);

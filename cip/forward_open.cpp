@@ -1,5 +1,6 @@
 #include "cip/forward_open.hpp"
 
+#include "cip/triad_wire.hpp"
 #include "cip/wire.hpp"
 
 namespace servobus::cip {
@@ -8,13 +9,6 @@ namespace {
 // Network segments of a connection path (R-PTH-7).
 constexpr std::uint8_t inhibit_milliseconds = 0x43;
 constexpr std::uint8_t inhibit_microseconds = 0x51;
-
-void describe(auto& io, auto& triad) requires requires { triad.originator_serial; }
-{
-    io.field(triad.serial_number);
-    io.field(triad.originator_vendor);
-    io.field(triad.originator_serial);
-}
 
 // The parameters differ in width between the two forms, so they pass through the raw word.
 template <class Io, class Parameters>
@@ -41,7 +35,7 @@ void describe_open(Io& io, Open& open) {
     io.field(open.timeout_ticks);
     io.field(open.o_to_t_id);
     io.field(open.t_to_o_id);
-    describe(io, open.triad);
+    describe_triad(io, open.triad);
     io.field(open.timeout_multiplier);
     io.reserved(3);
     io.field(open.o_to_t_rpi);
@@ -54,7 +48,7 @@ template <class Io, class Reply>
 void describe_reply(Io& io, Reply& reply) {
     io.field(reply.o_to_t_id);
     io.field(reply.t_to_o_id);
-    describe(io, reply.triad);
+    describe_triad(io, reply.triad);
     io.field(reply.o_to_t_api);
     io.field(reply.t_to_o_api);
 }
@@ -63,7 +57,7 @@ template <class Io, class Close>
 void describe_close(Io& io, Close& close) {
     io.field(close.priority_tick);
     io.field(close.timeout_ticks);
-    describe(io, close.triad);
+    describe_triad(io, close.triad);
 }
 
 // A path or application reply: size in words, perhaps a reserved octet, then the octets, to the end of the message.
@@ -160,7 +154,7 @@ Decoded<ForwardOpenReply> ForwardOpenReply::parse(ByteView data) {
 Bytes ConnectionRefusal::encode() const {
     Bytes bytes;
     Writer writer(bytes);
-    describe(writer, triad);
+    describe_triad(writer, triad);
     writer.u8(remaining_path_words);
     writer.u8(0);
     return bytes;
@@ -169,7 +163,7 @@ Bytes ConnectionRefusal::encode() const {
 Decoded<ConnectionRefusal> ConnectionRefusal::parse(ByteView data) {
     Reader reader(data);
     ConnectionRefusal refusal;
-    describe(reader, refusal.triad);
+    describe_triad(reader, refusal.triad);
     if (!reader.ok()) return DecodeError::truncated;
     // Some stacks send only the size octet, or nothing (R-CM-10).
     if (reader.remaining() > 0) reader.field(refusal.remaining_path_words);
@@ -236,7 +230,7 @@ Decoded<ForwardClose> ForwardClose::parse(ByteView data) {
 Bytes ForwardCloseReply::encode() const {
     Bytes bytes;
     Writer writer(bytes);
-    describe(writer, triad);
+    describe_triad(writer, triad);
     write_words(writer, application_reply, true);
     return bytes;
 }
@@ -244,7 +238,7 @@ Bytes ForwardCloseReply::encode() const {
 Decoded<ForwardCloseReply> ForwardCloseReply::parse(ByteView data) {
     Reader reader(data);
     ForwardCloseReply reply;
-    describe(reader, reply.triad);
+    describe_triad(reader, reply.triad);
     auto application = read_words(reader, true);
     if (!application) return application.error();
     reply.application_reply = std::move(*application);
