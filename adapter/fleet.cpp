@@ -17,11 +17,6 @@ std::optional<std::uint32_t> address_of(const std::string& text) {
     return ntohl(address.s_addr);
 }
 
-std::string text_of(std::uint32_t address) {
-    const auto text = enip::to_string({address, 0});
-    return text.substr(0, text.find(':'));
-}
-
 // A plain restart powers up with what was configured; factory defaults are those of the manual.
 void restart(ResetType type, const Config& config, drive::Device& device) {
     device.reset();
@@ -43,7 +38,8 @@ std::variant<std::vector<std::string>, std::string> drive_addresses(const std::v
         return fmt::format("'{}' is not an IPv4 address; give one of this machine, such as 127.0.0.1", binds[0]);
     if (*first == 0) return std::string("several drives need an address each; 0.0.0.0 is all of them at once");
     std::vector<std::string> addresses;
-    for (std::size_t i = 0; i < count; ++i) addresses.push_back(text_of(*first + static_cast<std::uint32_t>(i)));
+    for (std::size_t i = 0; i < count; ++i)
+        addresses.push_back(enip::address_text(*first + static_cast<std::uint32_t>(i)));
     return addresses;
 }
 

@@ -28,11 +28,6 @@ constexpr std::uint32_t group_hosts = 0x3FF;
 constexpr std::uint32_t groups_of_a_host = 32;
 constexpr std::uint8_t multicast_ttl = 1;  ///< attribute 8 of 0xF5, which the manual does not have (R-IO-11)
 
-std::string dotted(std::uint32_t address) {
-    const auto text = enip::to_string({address, 0});
-    return text.substr(0, text.find(':'));
-}
-
 bool is_multicast(const cip::ForwardOpen& request) { return request.t_to_o.type == ConnectionType::multicast; }
 
 // Attribute 4 to 7 of QoS, by the priority of the direction that we send (R-QOS-5).
@@ -70,7 +65,7 @@ cip::SideItem socket_item(enip::ItemType type, enip::Endpoint endpoint) {
 
 std::string describe(const IoConnection& connection) {
     return fmt::format("{} {}/{} of {}", assemblies::name(connection.kind->kind), connection.kind->o_to_t_point,
-                       connection.kind->t_to_o_point, dotted(connection.originator.address));
+                       connection.kind->t_to_o_point, enip::address_text(connection.originator.address));
 }
 
 IoConnections::IoConnections(DriveIo& drive, const NetworkSettings& network, ConnectionIds& ids, const Limits& limits,
@@ -166,7 +161,7 @@ OpenResult<void> IoConnections::check_subnet(const cip::ForwardOpen& request, co
     if (!is_multicast(request) || mask == 0 || ((origin.address ^ network_.interface.address) & mask) == 0) return {};
     return OpenRefusal{ConnectionFailure::not_configured_for_off_subnet_multicast,
                        fmt::format("{} is in another subnet, where multicast with TTL {} does not arrive",
-                                   dotted(origin.address), multicast_ttl)};
+                                   enip::address_text(origin.address), multicast_ttl)};
 }
 
 // R-CON-33: who joins takes what is there.

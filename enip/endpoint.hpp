@@ -13,6 +13,8 @@ struct Endpoint {
     friend auto operator<=>(const Endpoint&, const Endpoint&) = default;  // NOLINT(modernize-use-nullptr): misread
 };
 
+/// `192.168.2.100`.
+[[nodiscard]] std::string address_text(std::uint32_t address);
 /// `192.168.2.100:44818`.
 [[nodiscard]] std::string to_string(Endpoint endpoint);
 
