@@ -96,7 +96,7 @@ struct Adapter::Connection {
     cip::Bytes held;  ///< what came while nothing was answered
 };
 
-Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log, NetworkSettings network,
+Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log, Network network,
                  DeviceFile file)
     : device_(device),
       limits_(limits),
@@ -107,7 +107,7 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
       sessions_(limits.sessions, random_()),
       router_(node_identity(device.identity())),
       faults_(seed) {
-    network_.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
+    network_.settings.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
     build_objects();
 }
 
@@ -133,8 +133,8 @@ void Adapter::build_objects() {
     router_.add(std::move(assembly));
     router_.add(std::make_unique<TcpIpObject>(network_));
     router_.add(std::make_unique<EthernetLinkObject>(network_));
-    router_.add(std::make_unique<QosObject>(network_.qos));
-    router_.add(std::make_unique<DlrObject>(network_.ring));
+    router_.add(std::make_unique<QosObject>(network_.settings.qos));
+    router_.add(std::make_unique<DlrObject>(network_.state.ring));
     router_.add(std::make_unique<FileObject>(file_));
     auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), *drive_io_, network_,
                                                        limits_, static_cast<std::uint16_t>(random_()), log_);
@@ -519,8 +519,8 @@ std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) con
     if (connection.expired || faults_.is_frozen()) return std::nullopt;
     const auto since = faults_.true_time(connection.last_message);
     if (connection.refused) return since + limits_.refusal_patience;
-    if (network_.inactivity_seconds == 0) return std::nullopt;
-    return since + std::chrono::seconds(network_.inactivity_seconds);
+    if (network_.settings.inactivity_seconds == 0) return std::nullopt;
+    return since + std::chrono::seconds(network_.settings.inactivity_seconds);
 }
 
 void Adapter::on_timer(enip::Time now) {
@@ -539,7 +539,7 @@ void Adapter::on_timer(enip::Time now) {
         if (!deadline || *deadline > now) continue;
         if (!connection->refused) {
             log_(LogLevel::info, fmt::format("{} closed: no message for {} s", enip::to_string(connection->peer),
-                                             network_.inactivity_seconds));
+                                             network_.settings.inactivity_seconds));
         }
         expire(*connection);
     }
@@ -572,14 +572,10 @@ void Adapter::reset(enip::Time now) {
                                                     : "factory defaults and restart: all connections are closed");
     shut_down();
     if (type == ResetType::factory_defaults) {
-        // Addresses and ports are the host's (R-DHC-5); everything that a client can set goes back.
+        // Everything that a client can set goes back; the latest conflict is a record, not a setting.
         NetworkSettings defaults;
-        defaults.interface = network_.interface;
-        defaults.mac = network_.mac;
-        defaults.io_port = network_.io_port;
-        defaults.ring = network_.ring;
-        defaults.last_conflict = network_.last_conflict;
-        network_ = defaults;
+        defaults.last_conflict = network_.settings.last_conflict;
+        network_.settings = defaults;
     }
     build_objects();
     if (restart_) {

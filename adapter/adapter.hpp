@@ -25,6 +25,7 @@
 #include "adapter/log.hpp"
 #include "adapter/network_faults.hpp"
 #include "adapter/network_settings.hpp"
+#include "adapter/network_state.hpp"
 #include "adapter/session.hpp"
 #include "adapter/timetable.hpp"
 #include "cip/message_router.hpp"
@@ -40,7 +41,7 @@ class Adapter final : public enip::Target {
 public:
     /// The device must outlive the adapter. `seed` chooses session handles, connection ids and broadcast delays; the
     /// same seed and the same input give the same octets. `file` is what the File object hands out.
-    Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log = {}, NetworkSettings network = {},
+    Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log = {}, Network network = {},
             DeviceFile file = {});
     ~Adapter() override;
     Adapter(const Adapter&) = delete;
@@ -98,7 +99,7 @@ public:
     [[nodiscard]] drive::Device& device() { return device_; }
     [[nodiscard]] const drive::Device& device() const { return device_; }
     /// The values behind the network objects; whoever knows the host's address writes it here.
-    [[nodiscard]] NetworkSettings& network() { return network_; }
+    [[nodiscard]] Network& network() { return network_; }
 
 private:
     struct Connection;
@@ -143,7 +144,7 @@ private:
 
     drive::Device& device_;
     Limits limits_;
-    NetworkSettings network_;
+    Network network_;
     DeviceFile file_;
     Log log_;
     std::mt19937_64 random_;

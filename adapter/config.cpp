@@ -235,15 +235,15 @@ std::variant<DeviceFile, FileError> load_eds(const Config& config) {
     return file;
 }
 
-NetworkSettings make_network(const drive::Identity& identity) {
-    NetworkSettings network;
+Network make_network(const drive::Identity& identity) {
+    Network network;
     const auto serial = identity.serial_number;
-    network.mac = {0x02,
-                   0x00,
-                   static_cast<std::uint8_t>(serial >> 24),
-                   static_cast<std::uint8_t>(serial >> 16),
-                   static_cast<std::uint8_t>(serial >> 8),
-                   static_cast<std::uint8_t>(serial)};
+    network.state.mac = {0x02,
+                         0x00,
+                         static_cast<std::uint8_t>(serial >> 24),
+                         static_cast<std::uint8_t>(serial >> 16),
+                         static_cast<std::uint8_t>(serial >> 8),
+                         static_cast<std::uint8_t>(serial)};
     return network;
 }
 

@@ -12,6 +12,7 @@
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
 #include "adapter/network_settings.hpp"
+#include "adapter/network_state.hpp"
 #include "adapter/text_file.hpp"
 #include "drive/axis_kind.hpp"
 #include "drive/device.hpp"
@@ -62,9 +63,9 @@ struct Config {
 /// The level that a word names: trace, debug, info, warning, error.
 [[nodiscard]] std::optional<LogLevel> log_level(std::string_view word);
 
-/// The network settings that a configuration describes: the MAC address follows from the serial number, so that two
+/// The network of a device that has just come from the factory: the MAC address follows from the serial number, so that two
 /// drives on one network differ.
-[[nodiscard]] NetworkSettings make_network(const drive::Identity& identity);
+[[nodiscard]] Network make_network(const drive::Identity& identity);
 
 /// The EDS that is configured, read whole; without one, a file object that says it has none.
 [[nodiscard]] std::variant<DeviceFile, FileError> load_eds(const Config& config);

@@ -91,8 +91,7 @@ cip::Response connection_data(std::uint8_t service, const IoConnection* io, cons
 }  // namespace
 
 ConnectionManager::ConnectionManager(cip::MessageRouter& router, cip::NodeIdentity node, DriveIo& drive,
-                                     const NetworkSettings& network, const Limits& limits, std::uint16_t incarnation,
-                                     Log log)
+                                     const Network& network, const Limits& limits, std::uint16_t incarnation, Log log)
     : router_(router),
       node_(node),
       log_(std::move(log)),

@@ -40,8 +40,8 @@ class ConnectionManager final : public cip::Object {
 public:
     /// `router` executes embedded and connected requests. All references must outlive this object. `incarnation`: see
     /// ConnectionIds.
-    ConnectionManager(cip::MessageRouter& router, cip::NodeIdentity node, DriveIo& drive,
-                      const NetworkSettings& network, const Limits& limits, std::uint16_t incarnation, Log log);
+    ConnectionManager(cip::MessageRouter& router, cip::NodeIdentity node, DriveIo& drive, const Network& network,
+                      const Limits& limits, std::uint16_t incarnation, Log log);
 
     // As a CIP object.
     [[nodiscard]] cip::ClassInfo info() const override;

@@ -1,7 +1,7 @@
 // The Device Level Ring object (0x47, R-DLR) of a node that is no supervisor.
 #pragma once
 
-#include "adapter/network_settings.hpp"
+#include "adapter/network_state.hpp"
 #include "cip/object.hpp"
 
 namespace servobus::adapter {

@@ -76,7 +76,7 @@ cip::Status EthernetLinkObject::get(std::uint32_t instance, std::uint32_t id, ci
             value.u32(link_up_full_duplex_negotiated);
             break;
         case physical_address:
-            value.bytes(settings_.mac);
+            value.bytes(state_.mac);
             break;
         case interface_counters:
             value.zeros(interface_counter_octets);

@@ -1,7 +1,7 @@
 // The Ethernet Link object (0xF6, R-ETH): two ports, both up.
 #pragma once
 
-#include "adapter/network_settings.hpp"
+#include "adapter/network_state.hpp"
 #include "cip/object.hpp"
 
 namespace servobus::adapter {
@@ -9,7 +9,7 @@ namespace servobus::adapter {
 class EthernetLinkObject final : public cip::Object {
 public:
     /// The settings must outlive the object.
-    explicit EthernetLinkObject(NetworkSettings& settings) : settings_(settings) {}
+    explicit EthernetLinkObject(Network& network) : settings_(network.settings), state_(network.state) {}
 
     [[nodiscard]] cip::ClassInfo info() const override;
     [[nodiscard]] bool has_instance(std::uint32_t instance) const override;
@@ -22,6 +22,7 @@ public:
 
 private:
     NetworkSettings& settings_;
+    const NetworkState& state_;
 };
 
 }  // namespace servobus::adapter

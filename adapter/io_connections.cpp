@@ -68,9 +68,9 @@ std::string describe(const IoConnection& connection) {
                        connection.kind->t_to_o_point, enip::address_text(connection.originator.address));
 }
 
-IoConnections::IoConnections(DriveIo& drive, const NetworkSettings& network, ConnectionIds& ids, const Limits& limits,
+IoConnections::IoConnections(DriveIo& drive, const Network& network, ConnectionIds& ids, const Limits& limits,
                              const Log& log)
-    : drive_(drive), network_(network), ids_(ids), limits_(limits), log_(log), qos_(network.qos) {}
+    : drive_(drive), network_(network), ids_(ids), limits_(limits), log_(log), qos_(network.settings.qos) {}
 
 // ---------------------------------------------------------------------------------------------------------- opening
 
@@ -157,8 +157,9 @@ OpenResult<void> IoConnections::check_listener(const cip::ForwardOpen& request, 
 
 // R-MC-4.
 OpenResult<void> IoConnections::check_subnet(const cip::ForwardOpen& request, const cip::Origin& origin) const {
-    const auto mask = network_.interface.mask;
-    if (!is_multicast(request) || mask == 0 || ((origin.address ^ network_.interface.address) & mask) == 0) return {};
+    const auto mask = network_.state.interface.mask;
+    if (!is_multicast(request) || mask == 0 || ((origin.address ^ network_.state.interface.address) & mask) == 0)
+        return {};
     return OpenRefusal{ConnectionFailure::not_configured_for_off_subnet_multicast,
                        fmt::format("{} is in another subnet, where multicast with TTL {} does not arrive",
                                    enip::address_text(origin.address), multicast_ttl)};
@@ -230,7 +231,7 @@ Production& IoConnections::produce(const cip::ForwardOpen& request, const IoOpen
                                         .interval = interval,
                                         .trigger = wanted.trigger,
                                         .inhibit = wanted.inhibit,
-                                        .route = {.local = {origin.local_address, network_.io_port},
+                                        .route = {.local = {origin.local_address, network_.state.io_port},
                                                   .peer = peer,
                                                   .dscp = dscp_of(qos_, request.t_to_o.priority),
                                                   .ttl = multicast ? multicast_ttl : std::uint8_t{0}}};
@@ -251,8 +252,8 @@ Production& IoConnections::produce(const cip::ForwardOpen& request, const IoOpen
 void IoConnections::reply_with_sockets(const IoConnection& connection, const Sockets& sockets,
                                        const cip::Origin& origin) const {
     if (origin.reply_items == nullptr) return;
-    if (sockets.present || network_.io_port != enip::io_port) {
-        origin.reply_items->push_back(socket_item(enip::ItemType::sockaddr_o_to_t, {0, network_.io_port}));
+    if (sockets.present || network_.state.io_port != enip::io_port) {
+        origin.reply_items->push_back(socket_item(enip::ItemType::sockaddr_o_to_t, {0, network_.state.io_port}));
     }
     if (connection.production->multicast) {
         origin.reply_items->push_back(
@@ -262,8 +263,8 @@ void IoConnections::reply_with_sockets(const IoConnection& connection, const Soc
 
 // R-MC-1: each point has the group of its place in the list of layouts.
 enip::Endpoint IoConnections::group_of(const assemblies::Layout& layout, std::uint32_t local) const {
-    const auto address = network_.interface.address != 0 ? network_.interface.address : local;
-    const auto mask = network_.interface.mask != 0 ? network_.interface.mask : class_mask(address);
+    const auto address = network_.state.interface.address != 0 ? network_.state.interface.address : local;
+    const auto mask = network_.state.interface.mask != 0 ? network_.state.interface.mask : class_mask(address);
     const auto host = address & ~mask;
     std::uint32_t group = group_base + ((host - 1) & group_hosts) * groups_of_a_host;
     for (const auto& each : assemblies::layouts()) {

@@ -16,7 +16,7 @@
 #include "adapter/forward_open_checks.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
-#include "adapter/network_settings.hpp"
+#include "adapter/network_state.hpp"
 #include "adapter/open_refusal.hpp"
 #include "assemblies/connection.hpp"
 #include "cip/forward_open.hpp"
@@ -60,8 +60,7 @@ struct StrayCounters {
 class IoConnections {
 public:
     /// All references outlive this. The DSCP values are those of now (R-QOS-4).
-    IoConnections(DriveIo& drive, const NetworkSettings& network, ConnectionIds& ids, const Limits& limits,
-                  const Log& log);
+    IoConnections(DriveIo& drive, const Network& network, ConnectionIds& ids, const Limits& limits, const Log& log);
 
     /// Steps 8 and 9 of R-CON-15, then the connection: `wanted` has passed check_io_open. Sockaddr items are read from
     /// `origin` and written to it (R-CPF-8). `number` is free.
@@ -112,7 +111,7 @@ private:
     void remove_orphans();
 
     DriveIo& drive_;
-    const NetworkSettings& network_;
+    const Network& network_;
     ConnectionIds& ids_;
     const Limits& limits_;
     const Log& log_;

@@ -288,7 +288,7 @@ std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& conf
         const auto listening =
             server.listen(adapter, {.address = addresses[i], .port = config.port, .io_port = config.io_port});
         if (!listening) return fail(cannot_listen, listening.error().reason);
-        auto& network = adapter.network();
+        auto& network = adapter.network().state;
         network.interface.address = listening->local.address;
         network.interface.mask = listening->subnet_mask;
         network.io_port = listening->io_port;

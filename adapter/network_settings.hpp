@@ -1,4 +1,4 @@
-// What the device knows of its place on the network: the values behind the classes 0xF5, 0xF6, 0x48 and 0x47.
+// What can be set of the device's network, and is kept over a power cycle: behind the classes 0xF5, 0xF6 and 0x48.
 #pragma once
 
 #include <array>
@@ -7,7 +7,6 @@
 #include <string>
 
 #include "cip/bytes.hpp"
-#include "enip/encapsulation.hpp"
 
 namespace servobus::adapter {
 
@@ -25,8 +24,6 @@ struct InterfaceConfiguration {
 /// host, so this is what a client reads and sets, and nothing asks a DHCP server (R-DHC-5).
 enum class AddressMethod : std::uint8_t { stored = 0, dhcp = 2 };
 
-using MacAddress = std::array<std::uint8_t, 6>;
-
 /// Attribute 11 of 0xF5 (R-TCP-10): all zero while no conflict has been seen.
 using LastConflict = std::array<std::uint8_t, 35>;
 
@@ -36,31 +33,20 @@ struct QualityOfService {
     std::array<std::uint8_t, 5> dscp{55, 47, 43, 31, 27};  ///< urgent, scheduled, high, low, explicit
 };
 
-/// What a ring node reports (R-DLR-2). A device with one interface reports a line (R-DLR-12).
-struct RingStatus {
-    std::uint8_t topology = 0;
-    std::uint8_t status = 0;
-    std::uint32_t supervisor_address = 0;
-    MacAddress supervisor_mac{};
-};
-
 struct NetworkSettings {
     AddressMethod method = AddressMethod::dhcp;  ///< 000 §2.1: DHCP is on by default
-    InterfaceConfiguration interface;
+    InterfaceConfiguration configured;           ///< the address that is in force when the method is `stored`
     std::string host_name;
     bool select_acd = true;
     LastConflict last_conflict{};
     std::uint16_t inactivity_seconds = 120;  ///< attribute 13; it is in force at once (R-TCP-11)
-    MacAddress mac{0x02, 0x00, 0x00, 0x00, 0x00, 0x64};
     /// Per port: attribute 6 of 0xF6, control bits and forced speed (R-ETH-6).
     struct LinkControl {
         std::uint16_t bits = 1;
         std::uint16_t forced_speed = 0;
     };
     std::array<LinkControl, 2> links{};
-    std::uint16_t io_port = enip::io_port;  ///< where class 0 and 1 data comes in
     QualityOfService qos;
-    RingStatus ring;
 };
 
 /// A file that the File object (0x37) hands out: the EDS. Empty content: the device has none.

@@ -134,7 +134,7 @@ cip::Status TcpIpObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value
             break;
         }
         case interface_configuration:
-            write_interface(value, settings_.interface);
+            write_interface(value, state_.interface);
             break;
         case host_name:
             write_padded(value, settings_.host_name);
@@ -146,7 +146,7 @@ cip::Status TcpIpObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value
             value.u8(1);
             break;
         case multicast:
-            write_multicast(value, settings_.interface);
+            write_multicast(value, state_.interface);
             break;
         case select_acd:
             value.u8(settings_.select_acd ? 1 : 0);
@@ -191,6 +191,8 @@ cip::Status TcpIpObject::set_control(cip::ByteView value) {
     const auto method = static_cast<AddressMethod>(*wanted);
     const bool known = *wanted <= 0xFF && (method == AddressMethod::stored || method == AddressMethod::dhcp);
     if (!known) return cip::GeneralStatus::invalid_attribute_value;
+    // The address that is in force stays, as a stored one (R-TCP-4).
+    if (method == AddressMethod::stored && settings_.method != method) settings_.configured = state_.interface;
     settings_.method = method;
     return {};
 }
@@ -208,7 +210,8 @@ cip::Status TcpIpObject::set_interface(cip::ByteView value) {
     if (const auto wrong = length_status(reader); wrong != cip::GeneralStatus::success) return wrong;
     if (wanted.domain.size() > max_domain) return cip::GeneralStatus::too_much_data;
     if (!is_usable(wanted)) return cip::GeneralStatus::invalid_attribute_value;
-    settings_.interface = std::move(wanted);
+    settings_.configured = wanted;
+    state_.interface = std::move(wanted);
     return {};
 }
 

@@ -1,7 +1,7 @@
 // The TCP/IP Interface object (0xF5, R-TCP).
 #pragma once
 
-#include "adapter/network_settings.hpp"
+#include "adapter/network_state.hpp"
 #include "cip/object.hpp"
 
 namespace servobus::adapter {
@@ -9,7 +9,7 @@ namespace servobus::adapter {
 class TcpIpObject final : public cip::Object {
 public:
     /// The settings must outlive the object.
-    explicit TcpIpObject(NetworkSettings& settings) : settings_(settings) {}
+    explicit TcpIpObject(Network& network) : settings_(network.settings), state_(network.state) {}
 
     [[nodiscard]] cip::ClassInfo info() const override;
     [[nodiscard]] bool offers(std::uint8_t service) const override;
@@ -28,6 +28,7 @@ private:
     [[nodiscard]] cip::Status set_inactivity(cip::ByteView value);
 
     NetworkSettings& settings_;
+    NetworkState& state_;
 };
 
 /// The first multicast address of a node, by the CIP algorithm (R-MC-1). Host order.

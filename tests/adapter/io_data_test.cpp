@@ -723,7 +723,7 @@ TEST(IoData, R_MC_1_TheGroupsOfTheExamples) {
           Case{16, 0xC0A803FF, 0xEFC080C0}}) {
         for (const std::uint16_t point : std::array<std::uint16_t, 3>{100, 105, 113}) {
             auto network = IoSite::in_subnet(each.bits);
-            network.interface.address = each.address;
+            network.state.interface.address = each.address;
             IoSite site(drive::Device(drive::xenax_models().front()), {}, network);
             IoPeer peer(site, each.address == 0xC0A80201 ? 0xC0A80202 : (each.address & 0xFFFFFF00) | 1);
             const auto link = peer.must_open(multicast(io_open(1, 254, point)));
@@ -782,7 +782,7 @@ TEST(IoData, R_CPF_8_OurOwnPortIsToldToWhoSpeaksOfPorts) {
 
 TEST(IoData, R_CPF_8_AnotherPortThanTheUsualOneIsToldToEverybody) {
     auto network = IoSite::in_subnet(24);
-    network.io_port = 40'000;
+    network.state.io_port = 40'000;
     IoSite site(drive::Device(drive::xenax_models().front()), {}, network);
     for (const auto* reset : {"", "05 02 20 01 24 01 00", "05 02 20 01 24 01 01"}) {
         if (*reset != '\0') {

@@ -53,7 +53,7 @@ public:
     };
 
     explicit IoSite(drive::Device drive = drive::Device(drive::xenax_models().front()), adapter::Limits limits = {},
-                    adapter::NetworkSettings network = in_subnet(24), std::uint64_t seed = 1)
+                    adapter::Network network = in_subnet(24), std::uint64_t seed = 1)
         : device(std::move(drive)),
           adapter(
               device, limits, seed,
@@ -64,10 +64,10 @@ public:
         adapter.on_timer(now);
     }
 
-    static adapter::NetworkSettings in_subnet(unsigned bits) {
-        adapter::NetworkSettings network;
-        network.interface.address = address;
-        network.interface.mask = bits == 0 ? 0 : 0xFFFFFFFFU << (32 - bits);
+    static adapter::Network in_subnet(unsigned bits) {
+        adapter::Network network;
+        network.state.interface.address = address;
+        network.state.interface.mask = bits == 0 ? 0 : 0xFFFFFFFFU << (32 - bits);
         return network;
     }
 

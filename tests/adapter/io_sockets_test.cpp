@@ -235,7 +235,7 @@ protected:
             server_.listen(station.adapter, {.address = text_of(address), .port = port, .io_port = io_port});
         ASSERT_TRUE(place) << place.error().reason;
         station.place = *place;
-        auto& network = station.adapter.network();
+        auto& network = station.adapter.network().state;
         network.interface.address = place->local.address;
         network.interface.mask = place->subnet_mask;
         network.io_port = place->io_port;

@@ -37,7 +37,7 @@ struct Precondition {
     std::string_view request;
     std::string_view why;
     std::vector<std::pair<drive::Key, drive::Value>> values{};
-    std::function<void(adapter::NetworkSettings&)> network{};
+    std::function<void(adapter::Network&)> network{};
     std::string_view sent_before{};  ///< a request of the same scene whose reply is not looked at
 };
 
@@ -93,31 +93,31 @@ const std::vector<Precondition>& preconditions() {
         {"get_f5_lastconflict_set_req",
          "after a conflict",
          {},
-         [](auto& network) { network.last_conflict = example_conflict(); }},
+         [](auto& network) { network.settings.last_conflict = example_conflict(); }},
         {"gaa_f5_req",
          "as before the Sets of this scene, but for the host name",
          {},
          [](auto& network) {
-             network.method = adapter::AddressMethod::dhcp;
-             network.interface = example_interface();
+             network.settings.method = adapter::AddressMethod::dhcp;
+             network.state.interface = example_interface();
          }},
         {"gaa_dlr_req",
          "in a ring, not in a line",
          {},
          [](auto& network) {
-             network.ring = {.topology = 1,
-                             .status = 0,
-                             .supervisor_address = AdapterHarness::peer.address,
-                             .supervisor_mac = peer_mac};
+             network.state.ring = {.topology = 1,
+                                   .status = 0,
+                                   .supervisor_address = AdapterHarness::peer.address,
+                                   .supervisor_mac = peer_mac};
          }},
         {"file_wrong_number_req", "number 0 is expected after an Initiate_Upload", {}, {}, "file_init_upload_req"},
     };
     return table;
 }
 
-adapter::NetworkSettings example_network() {
-    adapter::NetworkSettings network;
-    network.interface = example_interface();
+adapter::Network example_network() {
+    adapter::Network network;
+    network.state.interface = example_interface();
     return network;
 }
 
