@@ -7,10 +7,10 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/servobus)
 
 install(TARGETS
     servobus_options
-    servobus_drive servobus_cip servobus_assemblies servobus_enip servobus_enip_asio servobus_adapter servobus_scanner
+    servobus_drive servobus_cip servobus_assemblies servobus_eds servobus_enip servobus_enip_asio servobus_adapter servobus_scanner
     EXPORT servobusTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS servobus_adapter_main servobus_scanner_main RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY drive cip assemblies enip adapter scanner DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/servobus
+install(DIRECTORY drive cip assemblies eds enip adapter scanner DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/servobus
     FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE PATTERN cli EXCLUDE PATTERN axes EXCLUDE
     PATTERN adapter/axis_file.hpp EXCLUDE PATTERN adapter/config.hpp EXCLUDE PATTERN adapter/control.hpp EXCLUDE
     PATTERN adapter/event_json.hpp EXCLUDE PATTERN adapter/json_document.hpp EXCLUDE
