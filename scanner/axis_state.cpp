@@ -6,6 +6,7 @@
 #include <cassert>
 
 #include "drive/lookup.hpp"
+#include "drive/value_names.hpp"
 #include "drive/xenax.hpp"
 
 namespace servobus::scanner {
@@ -58,36 +59,7 @@ std::array<const drive::Parameter*, axis_value_count> find_rows() {
     return rows;
 }
 
-struct NumberText {
-    int number;
-    std::string_view text;
-};
-
 // clang-format off
-constexpr std::array mode_texts{  // 004 §4.2.4
-    NumberText{-2, "reserved mode"},
-    NumberText{mode::jog, "jog mode"},
-    NumberText{mode::none, "no mode"},
-    NumberText{mode::profile_position, "profile position mode"},
-    NumberText{mode::reference, "reference mode"},
-    NumberText{mode::cyclic_position, "cyclic synchronous position mode"},
-};
-
-constexpr std::array method_texts{  // 004 §4.2.19
-    NumberText{1,  "start positive"},
-    NumberText{2,  "start negative"},
-    NumberText{3,  "gantry, start positive, same orientation"},
-    NumberText{4,  "gantry, start negative, same orientation"},
-    NumberText{5,  "gantry, start positive, contrary orientation"},
-    NumberText{6,  "gantry, start negative, contrary orientation"},
-    NumberText{10, "start clockwise, then counter clockwise to the Z-mark"},
-    NumberText{11, "start clockwise, then clockwise to the Z-mark"},
-    NumberText{12, "start counter clockwise, then counter clockwise to the Z-mark"},
-    NumberText{13, "start counter clockwise, then clockwise to the Z-mark"},
-    NumberText{14, "start clockwise, then the shortest way to the Z-mark"},
-    NumberText{15, "start counter clockwise, then the shortest way to the Z-mark"},
-};
-
 constexpr std::array control_table{  // 004 §4.2.2
     BitText{0, {}, "switch on"},
     BitText{1, {}, "enable voltage"},
@@ -175,11 +147,6 @@ constexpr std::array output_table{  // 004 §4.2.27
 };
 // clang-format on
 
-std::string_view text_of(std::span<const NumberText> texts, std::int64_t number, std::string_view otherwise) {
-    const auto at = std::ranges::find(texts, number, &NumberText::number);
-    return at == texts.end() ? otherwise : at->text;
-}
-
 std::string bit_text(std::span<const BitText> bits, int bit, int mode) {
     for (const auto& row : bits) {
         if (row.bit == bit && (!row.mode || *row.mode == mode)) return std::string(row.text);
@@ -217,9 +184,14 @@ std::uint32_t AxisState::outputs() const { return static_cast<std::uint32_t>(num
 bool AxisState::has_fault() const { return (status_word() & status_bit::fault) != 0; }
 bool AxisState::is_referenced() const { return (process_status() & process_bit::reference) != 0; }
 
-std::string_view mode_text(int mode) { return text_of(mode_texts, mode, "unknown mode"); }
+std::string_view mode_text(int mode) {
+    const auto known = drive::name_of(drive::mode_names(), mode);
+    return known.empty() ? "unknown mode" : known;
+}
 
-std::string_view reference_method_text(std::int64_t method) { return text_of(method_texts, method, ""); }
+std::string_view reference_method_text(std::int64_t method) {
+    return drive::name_of(drive::reference_method_names(), method);
+}
 
 std::span<const BitText> control_bits() { return control_table; }
 std::span<const BitText> status_bits() { return status_table; }
