@@ -1,15 +1,13 @@
 // What is so of the device's network now: found by the program, or agreed with the network; gone with the power.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
+#include "adapter/mac_address.hpp"
 #include "adapter/network_settings.hpp"
 #include "enip/encapsulation.hpp"
 
 namespace servobus::adapter {
-
-using MacAddress = std::array<std::uint8_t, 6>;
 
 /// What a ring node reports (R-DLR-2). A device with one interface reports a line (R-DLR-12).
 struct RingStatus {

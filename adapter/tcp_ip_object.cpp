@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cctype>
 
+#include "adapter/usable_address.hpp"
 #include "adapter/wire_checks.hpp"
 #include "cip/path.hpp"
 #include "cip/services.hpp"
@@ -54,18 +54,6 @@ std::string read_padded(cip::Reader& reader) {
     auto text = cip::read_string(reader);
     if (text.size() % 2 != 0 && reader.remaining() > 0) reader.take(1);
     return text;
-}
-
-bool is_contiguous(std::uint32_t mask) { return std::countl_one(mask) + std::countr_zero(mask) >= 32; }
-
-// Whether a host may have this address in this subnet (R-TCP-6). Zero gateway and name servers mean none.
-bool is_usable(const InterfaceConfiguration& config) {
-    const auto first = config.address >> 24;
-    const bool unicast = first != 0 && first != 127 && first < 224;
-    if (!unicast || config.mask == 0 || !is_contiguous(config.mask)) return false;
-    const auto host = config.address & ~config.mask;
-    if (host == 0 || host == ~config.mask) return false;
-    return config.gateway == 0 || (config.gateway & config.mask) == (config.address & config.mask);
 }
 
 bool is_host_name(const std::string& text) {
