@@ -104,7 +104,7 @@ const Parameter* DataSheet::parameter(std::uint32_t number) const {
 std::vector<const Parameter*> DataSheet::parameters_named(std::string_view name) const {
     std::vector<const Parameter*> found;
     for (const auto& each : parameters) {
-        if (same_name(each.name, name)) found.push_back(&each);
+        if (same_name(trimmed(each.name), trimmed(name))) found.push_back(&each);
     }
     return found;
 }
@@ -121,8 +121,9 @@ const Assembly* DataSheet::assembly(std::string_view keyword) const {
 
 const Connection* DataSheet::connection(std::string_view name_or_keyword) const {
     for (const auto& name : {&Connection::name, &Connection::keyword}) {
-        const auto found = std::ranges::find_if(
-            connections, [&](const Connection& each) { return same_name(each.*name, name_or_keyword); });
+        const auto found = std::ranges::find_if(connections, [&](const Connection& each) {
+            return same_name(trimmed(each.*name), trimmed(name_or_keyword));
+        });
         if (found != connections.end()) return &*found;
     }
     return nullptr;

@@ -177,13 +177,13 @@ struct DataSheet {
 
     /// ParamN, or nullptr.
     [[nodiscard]] const Parameter* parameter(std::uint32_t number) const;
-    /// All of that name; case does not count. Sheets have names twice.
+    /// All of that name; case and blanks around it do not count. Sheets have names twice.
     [[nodiscard]] std::vector<const Parameter*> parameters_named(std::string_view name) const;
     /// The one that stands for this attribute, or nullptr.
     [[nodiscard]] const Parameter* parameter_at(const AttributeAddress& address) const;
     /// By keyword: `Assem100`.
     [[nodiscard]] const Assembly* assembly(std::string_view keyword) const;
-    /// By name or keyword; case does not count.
+    /// By name or keyword; case and blanks around it do not count.
     [[nodiscard]] const Connection* connection(std::string_view name_or_keyword) const;
 
     /// The octets of an assembly made of its Params' defaults, or of `choices`: constants are themselves, what nothing

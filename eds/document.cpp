@@ -28,6 +28,14 @@ std::string lower_case(std::string_view name) {
     return result;
 }
 
+bool is_blank(char c) { return (c >= '\0' && c <= ' ') || c == '\x7F'; }
+
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+    return text;
+}
+
 const Field& Entry::field(std::size_t number) const {
     static const Field none;
     return number >= 1 && number <= fields.size() ? fields[number - 1] : none;

@@ -75,5 +75,9 @@ struct Document {
 /// As names compare when the case does not count (ASCII).
 [[nodiscard]] bool same_name(std::string_view one, std::string_view other);
 [[nodiscard]] std::string lower_case(std::string_view name);
+/// Without blanks and control characters at its ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+/// A space, a control character, the end-of-file mark of old editors: whatever is no character of a line.
+[[nodiscard]] bool is_blank(char c);
 
 }  // namespace servobus::eds

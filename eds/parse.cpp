@@ -13,15 +13,6 @@ namespace {
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 constexpr std::string_view line_ends = "\r\n";
 
-// Whatever is no character of a line: also the end-of-file mark of old editors.
-bool is_blank(char c) { return (c >= '\0' && c <= ' ') || c == '\x7F'; }
-
-std::string_view trimmed(std::string_view text) {
-    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-    return text;
-}
-
 // The text as characters, with the number of the line that the next one is in. CR, LF and CR LF end a line. Nothing here
 // looks further than it reads, so that a text costs what its length is, however it is written.
 class Cursor {
@@ -165,7 +156,7 @@ private:
         } else {
             warn(line, fmt::format("[{} has no closing bracket", shown(name)));
         }
-        const auto [known, is_new] = section_of_name_.try_emplace(std::string(name), document_.sections.size());
+        const auto [known, is_new] = section_of_name_.try_emplace(lower_case(name), document_.sections.size());
         section_ = known->second;
         if (!is_new) {
             return warn(line,

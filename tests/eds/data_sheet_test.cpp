@@ -54,7 +54,7 @@ constexpr std::string_view sample = R"([File]
 [Connection Manager]
         PITNS = Yes;
         Connection1 = 0x04070002, 0x44640405, Param1,,Assem100, Param1,Param2,Assem101, ,, ,Assem103,
-                "Exclusive Owner", "Opens it", "20 04 24 01 2C [Param6] 2C [Param5]";
+                "Exclusive Owner ", "Opens it", "20 04 24 01 2C [Param6] 2C [Param5]";
         Connection2 = 0x01010002, 0x44240305, 5000,0,, ,,Assem101, 2,Assem102, 4,Assem103,
                 "Listen", "", "20 04 24 01 2C C0 2C 65";
         Connection3 = 0x84010002, 0x44640405, ,8,, ,8,, ,, ,Param7, "Tag", "", SYMBOL_ANSI;

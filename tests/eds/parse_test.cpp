@@ -146,6 +146,12 @@ TEST(Parse, ASectionThatComesTwiceGoesOn) {
     EXPECT_THAT(warnings(document), ElementsAre("line 5: warning: [Params] is already in line 1"));
 }
 
+TEST(Parse, ASectionInAnotherCaseIsTheSame) {
+    const auto document = parsed("[params]\nParam1=1;\n[Params]\nParam2=2;");
+    EXPECT_EQ(document.sections.size(), 1U);
+    EXPECT_THAT(warnings(document), ElementsAre("line 3: warning: [Params] is already in line 1"));
+}
+
 TEST(Parse, WhatIsNoEntryIsLeftOut) {
     const auto document = parsed("Early = 1;\n[A\nnonsense\nx = 1;\n;;\n\"text\";\nonly; y = 2;\n= 3;\nz = 4;");
     EXPECT_THAT(fields(document, "A", "x"), ElementsAre("1"));
