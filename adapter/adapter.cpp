@@ -97,11 +97,11 @@ struct Adapter::Connection {
 };
 
 Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log, Network network,
-                 DeviceFile file)
+                 DeviceFiles files)
     : device_(device),
       limits_(limits),
       network_(std::move(network)),
-      file_(std::move(file)),
+      files_(std::move(files)),
       log_(std::move(log)),
       random_(seed),
       sessions_(limits.sessions, random_()),
@@ -135,7 +135,9 @@ void Adapter::build_objects() {
     router_.add(std::make_unique<EthernetLinkObject>(network_));
     router_.add(std::make_unique<QosObject>(network_.settings.qos));
     router_.add(std::make_unique<DlrObject>(network_.state.ring));
-    router_.add(std::make_unique<FileObject>(file_));
+    auto file_object = std::make_unique<FileObject>(files_);
+    file_object_ = file_object.get();
+    router_.add(std::move(file_object));
     auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), *drive_io_, network_,
                                                        limits_, static_cast<std::uint16_t>(random_()), log_);
     manager_ = manager.get();
@@ -449,6 +451,7 @@ void Adapter::on_closed(ConnectionId id, enip::Time) {
     }
     sessions_.close(id);
     manager_->on_session_closed(id);
+    file_object_->on_session_closed(id);
     connections_.erase(found);
 }
 
@@ -595,6 +598,7 @@ void Adapter::advance(enip::Time now) {
     }
     device_.step(time);
     faults_.advance(now);
+    file_object_->on_time(faults_.bus_time(now));
     drive_io_->set_epoch(epoch_ + std::chrono::duration_cast<std::chrono::microseconds>(faults_.frozen()));
     take_held_octets(now);
 }

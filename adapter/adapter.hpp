@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "adapter/connection_manager.hpp"
+#include "adapter/device_files.hpp"
 #include "adapter/drive_io.hpp"
 #include "adapter/identity_object.hpp"
 #include "adapter/limits.hpp"
@@ -37,12 +38,14 @@
 
 namespace servobus::adapter {
 
+class FileObject;
+
 class Adapter final : public enip::Target {
 public:
     /// The device must outlive the adapter. `seed` chooses session handles, connection ids and broadcast delays; the
-    /// same seed and the same input give the same octets. `file` is what the File object hands out.
+    /// same seed and the same input give the same octets. `files` are what the File object hands out.
     Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSink log = {}, Network network = {},
-            DeviceFile file = {});
+            DeviceFiles files = {});
     ~Adapter() override;
     Adapter(const Adapter&) = delete;
     Adapter& operator=(const Adapter&) = delete;
@@ -145,12 +148,13 @@ private:
     drive::Device& device_;
     Limits limits_;
     Network network_;
-    DeviceFile file_;
+    DeviceFiles files_;
     Log log_;
     std::mt19937_64 random_;
     SessionTable sessions_;
     cip::MessageRouter router_;
     IdentityObject* identity_ = nullptr;  ///< owned by router_
+    FileObject* file_object_ = nullptr;   ///< owned by router_
     std::unique_ptr<DriveIo> drive_io_;
     ConnectionManager* manager_ = nullptr;  ///< owned by router_
     std::chrono::microseconds epoch_{0};

@@ -168,6 +168,7 @@ std::optional<FileError> read_members(const JsonDocument& document, Config& conf
         {"motor", one_of(config.motor, motors)},
         {"scenario", text(config.scenario)},
         {"eds", text(config.eds)},
+        {"icon", text(config.icon)},
         {"identity", section("identity",
                              [&](const json& value, const std::string& pointer) {
                                  return walk.object(value, pointer, identity_setters(config));
@@ -222,17 +223,6 @@ std::variant<Config, FileError> load_config(const std::filesystem::path& file) {
     auto content = read_file(file);
     if (auto* error = std::get_if<FileError>(&content)) return *error;
     return parse_config(std::get<std::string>(content));
-}
-
-std::variant<DeviceFile, FileError> load_eds(const Config& config) {
-    DeviceFile file;
-    if (!config.eds) return file;
-    auto content = read_file(*config.eds);
-    if (auto* error = std::get_if<FileError>(&content)) return *error;
-    const auto& octets = std::get<std::string>(content);
-    file.content.assign(octets.begin(), octets.end());
-    file.name = std::filesystem::path(*config.eds).filename().string();
-    return file;
 }
 
 Network make_network(const drive::Identity& identity) {
@@ -291,13 +281,18 @@ drive::Motor motor_of(const Config& config) {
     return config.axis->motion == drive::AxisKind::Motion::linear ? drive::Motor::linear : drive::Motor::rotative;
 }
 
-drive::Device make_device(const Config& config) {
+drive::Model model_of(const Config& config) {
     auto model = *drive::xenax_model(config.variant);
     auto& identity = model.identity;
     identity.serial_number = config.serial_number.value_or(identity.serial_number);
     identity.major_revision = config.major_revision.value_or(identity.major_revision);
     identity.minor_revision = config.minor_revision.value_or(identity.minor_revision);
     identity.product_name = config.product_name.value_or(identity.product_name);
+    return model;
+}
+
+drive::Device make_device(const Config& config) {
+    auto model = model_of(config);
     const bool moves = model.make_behaviour != nullptr;
     auto device = moves
                       ? drive::Device(std::move(model),

@@ -39,8 +39,10 @@ struct Config {
     std::optional<std::uint8_t> major_revision{};
     std::optional<std::uint8_t> minor_revision{};
     std::optional<std::string> product_name{};
-    /// The EDS file that the File object hands out; a path relative to the working directory.
+    /// What the File object hands out as EDS and icon instead of what is generated: paths relative to the working
+    /// directory. With an EDS of somebody's own there is no icon but a configured one.
     std::optional<std::string> eds{};
+    std::optional<std::string> icon{};
     /// What happens to the drive while the program runs: the file that parse_scenario() reads.
     std::optional<std::string> scenario{};
     /// What parameters hold after power-up instead of their printed defaults, whatever their access.
@@ -67,12 +69,11 @@ struct Config {
 /// drives on one network differ.
 [[nodiscard]] Network make_network(const drive::Identity& identity);
 
-/// The EDS that is configured, read whole; without one, a file object that says it has none.
-[[nodiscard]] std::variant<DeviceFile, FileError> load_eds(const Config& config);
-
 /// The axis that is chosen, or the default one.
 [[nodiscard]] const drive::AxisKind& axis_of(const Config& config);
 [[nodiscard]] drive::Motor motor_of(const Config& config);
+/// The configured variant, with the configured identity.
+[[nodiscard]] drive::Model model_of(const Config& config);
 /// The device that a configuration describes, after power-up.
 [[nodiscard]] drive::Device make_device(const Config& config);
 /// The configured values on top of what the device holds, after each power-up.

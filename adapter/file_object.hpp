@@ -1,21 +1,22 @@
-// The File object (0x37, R-FIL): hands out the EDS, piece by piece. Nothing can be written.
+// The File object (0x37, R-FIL): hands out the EDS and, if there is one, the icon, piece by piece. Nothing can be written.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "adapter/network_settings.hpp"
+#include "adapter/device_files.hpp"
+#include "adapter/stored_file.hpp"
 #include "cip/object.hpp"
 
 namespace servobus::adapter {
 
 class FileObject final : public cip::Object {
 public:
-    /// The file must outlive the object.
-    explicit FileObject(const DeviceFile& file);
+    explicit FileObject(const DeviceFiles& files);
 
     [[nodiscard]] cip::ClassInfo info() const override;
-    [[nodiscard]] bool has_instance(std::uint32_t instance) const override;
+    [[nodiscard]] bool get_class_attribute(std::uint32_t id, cip::Writer& value) const override;
+    [[nodiscard]] bool has_instance(std::uint32_t instance) const override { return find(instance) != nullptr; }
     [[nodiscard]] bool offers(std::uint8_t service) const override;
     [[nodiscard]] std::optional<cip::AttributeAccess> attribute(std::uint32_t instance,
                                                                 std::uint32_t id) const override;
@@ -23,33 +24,15 @@ public:
     [[nodiscard]] cip::Response call(const cip::RequestView& request, const cip::RequestPath& path,
                                      const cip::Origin& origin) override;
 
-    /// Attribute 1 (R-FIL-2), as far as a file that is only read has states.
-    enum class State : std::uint8_t { nonexistent = 0, loaded = 2, upload_initiated = 3, uploading = 5 };
+    /// Before anything is asked: uploads that nobody goes on with are dropped.
+    void on_time(cip::Time now);
+    void on_session_closed(std::uint64_t session);
 
 private:
-    /// One client's upload. `last` is the number that was sent last, none right after Initiate_Upload.
-    struct Transfer {
-        std::uint64_t client = 0;
-        std::size_t piece = 0;
-        std::size_t next_offset = 0;
-        std::optional<std::uint8_t> last{};
-        cip::Bytes last_reply{};
-        bool finished = false;
-        cip::Time deadline{};
-    };
+    [[nodiscard]] const StoredFile* find(std::uint32_t instance) const;
 
-    [[nodiscard]] State state() const;
-    cip::Response initiate_upload(const cip::RequestView& request, const cip::Origin& origin);
-    cip::Response upload_transfer(const cip::RequestView& request, const cip::Origin& origin);
-    [[nodiscard]] cip::Bytes next_piece(std::uint8_t number);
-    void drop_when_idle(cip::Time now);
-
-    const DeviceFile& file_;
-    std::uint16_t checksum_;
-    std::optional<Transfer> transfer_{};
+    StoredFile eds_;
+    std::optional<StoredFile> icon_{};
 };
-
-/// The two's complement of the sum of all octets, modulo 65536 (R-FIL-6).
-[[nodiscard]] std::uint16_t file_checksum(cip::ByteView content);
 
 }  // namespace servobus::adapter

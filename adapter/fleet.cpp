@@ -43,14 +43,14 @@ std::variant<std::vector<std::string>, std::string> drive_addresses(const std::v
     return addresses;
 }
 
-Fleet::Member::Member(drive::Device made, const Config& config, std::uint64_t seed, LogSink log, DeviceFile eds)
+Fleet::Member::Member(drive::Device made, const Config& config, std::uint64_t seed, LogSink log, DeviceFiles files)
     : device(std::move(made)),
-      adapter(device, config.limits, seed, std::move(log), make_network(device.identity()), std::move(eds)) {
+      adapter(device, config.limits, seed, std::move(log), make_network(device.identity()), std::move(files)) {
     adapter.on_restart([this, &config](ResetType type) { restart(type, config, device); });
 }
 
 Fleet::Fleet(const Config& config, const std::vector<std::string>& addresses, std::uint64_t seed, const LogSink& log,
-             const DeviceFile& eds, const Timetable& scenario) {
+             const DeviceFiles& files, const Timetable& scenario) {
     std::mt19937_64 seeds(seed);
     for (std::size_t i = 0; i < addresses.size(); ++i) {
         auto own = config;
@@ -64,7 +64,7 @@ Fleet::Fleet(const Config& config, const std::vector<std::string>& addresses, st
             };
         }
         auto& member =
-            *members_.emplace_back(std::make_unique<Member>(make_device(own), config, seeds(), std::move(sink), eds));
+            *members_.emplace_back(std::make_unique<Member>(make_device(own), config, seeds(), std::move(sink), files));
         member.adapter.seed_faults(own.seed);
         member.adapter.play(scenario);
     }

@@ -12,8 +12,8 @@
 
 #include "adapter/adapter.hpp"
 #include "adapter/config.hpp"
+#include "adapter/device_files.hpp"
 #include "adapter/log.hpp"
-#include "adapter/network_settings.hpp"
 #include "adapter/timetable.hpp"
 #include "drive/device.hpp"
 #include "enip/endpoint.hpp"
@@ -31,7 +31,7 @@ inline constexpr std::size_t max_drives = 1024;
 class Fleet {
 public:
     struct Member {
-        Member(drive::Device made, const Config& config, std::uint64_t seed, LogSink log, DeviceFile eds);
+        Member(drive::Device made, const Config& config, std::uint64_t seed, LogSink log, DeviceFiles files);
 
         drive::Device device;
         Adapter adapter;
@@ -40,7 +40,7 @@ public:
     /// `config` outlives the fleet. The first drive has the configured serial number and seed, each further one the next.
     /// `seed` is for what must not be predicted. With more than one drive each line of the log says whose it is.
     Fleet(const Config& config, const std::vector<std::string>& addresses, std::uint64_t seed, const LogSink& log,
-          const DeviceFile& eds, const Timetable& scenario);
+          const DeviceFiles& files, const Timetable& scenario);
 
     [[nodiscard]] std::size_t size() const { return members_.size(); }
     [[nodiscard]] Member& operator[](std::size_t index) { return *members_[index]; }

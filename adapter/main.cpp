@@ -20,6 +20,7 @@
 #include "adapter/axis_file.hpp"
 #include "adapter/config.hpp"
 #include "adapter/control.hpp"
+#include "adapter/file_settings.hpp"
 #include "adapter/fleet.hpp"
 #include "adapter/ready_line.hpp"
 #include "adapter/scenario.hpp"
@@ -33,6 +34,7 @@ namespace {
 using servobus::adapter::Config;
 using servobus::adapter::Control;
 using servobus::adapter::DeviceFile;
+using servobus::adapter::DeviceFiles;
 using servobus::adapter::FileError;
 using servobus::adapter::Fleet;
 using servobus::adapter::LogLevel;
@@ -226,17 +228,26 @@ std::uint64_t unpredictable_seed() {
 
 // What a configuration names and other files say.
 struct Files {
-    DeviceFile eds;
+    DeviceFiles device;
     Timetable scenario;
 };
+
+// Nullopt, or the exit code.
+std::optional<int> load_device_file(const std::optional<std::string>& path, std::optional<DeviceFile>& file) {
+    if (!path) return std::nullopt;
+    auto loaded = servobus::adapter::load_device_file(*path);
+    if (const auto* error = std::get_if<FileError>(&loaded)) return fail(wrong_usage, describe(*path, *error));
+    file = std::get<DeviceFile>(std::move(loaded));
+    return std::nullopt;
+}
 
 // All that can be wrong is said before anything starts: nullopt, or the exit code.
 std::optional<int> load_files(Config& config, Files& files) {
     const auto axis_file = config.axis_file;
     if (const auto error = load_axis(config)) return fail(wrong_usage, describe(*axis_file, *error));
-    auto eds = load_eds(config);
-    if (const auto* error = std::get_if<FileError>(&eds)) return fail(wrong_usage, describe(*config.eds, *error));
-    files.eds = std::get<DeviceFile>(std::move(eds));
+    if (!config.eds) files.device = generated_files(config);
+    if (const auto code = load_device_file(config.eds, files.device.eds)) return code;
+    if (const auto code = load_device_file(config.icon, files.device.icon)) return code;
     if (!config.scenario) return std::nullopt;
     auto scenario = servobus::adapter::load_scenario(*config.scenario);
     if (const auto* error = std::get_if<FileError>(&scenario)) {
@@ -304,7 +315,7 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     const auto logger = make_logger(config.log_level);
     make_room_for_descriptors(config.limits, addresses.size(), *logger);
     const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
-    Fleet fleet(config, addresses, unpredictable_seed(), log, files.eds, files.scenario);
+    Fleet fleet(config, addresses, unpredictable_seed(), log, files.device, files.scenario);
     Control control(fleet[0].adapter, axis_of(config), addresses[0]);
     for (std::size_t i = 1; i < fleet.size(); ++i) control.add(fleet[i].adapter, addresses[i]);
     TargetServer server([&](const std::string& line) { logger->warn(line); });

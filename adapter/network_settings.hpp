@@ -49,12 +49,4 @@ struct NetworkSettings {
     QualityOfService qos;
 };
 
-/// A file that the File object (0x37) hands out: the EDS. Empty content: the device has none.
-struct DeviceFile {
-    cip::Bytes content;
-    std::string name = "XENAX_XVI_75V8S_EtherNetIP.eds";
-    std::uint8_t major_revision = 1;
-    std::uint8_t minor_revision = 0;
-};
-
 }  // namespace servobus::adapter

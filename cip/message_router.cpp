@@ -35,8 +35,8 @@ std::optional<std::uint16_t> class_attribute(const ClassInfo& info, std::uint32_
     return std::nullopt;
 }
 
-// Services at instance 0: reading class attributes, and nothing else.
-Response call_class(const RequestView& request, const RequestPath& path, const ClassInfo& info) {
+// Services at instance 0: reading class attributes, and nothing else. The Message Router is no `object`.
+Response call_class(const RequestView& request, const RequestPath& path, const ClassInfo& info, const Object* object) {
     Response response{static_cast<std::uint8_t>(request.service & 0x7F)};
     Writer writer(response.data);
     if (request.service == service::get_attributes_all && info.class_attributes_all) {
@@ -50,9 +50,10 @@ Response call_class(const RequestView& request, const RequestPath& path, const C
     const auto value = path.attribute ? class_attribute(info, *path.attribute) : std::nullopt;
     if (value) {
         writer.u16(*value);
-    } else {
-        response.status = GeneralStatus::attribute_not_supported;
+        return response;
     }
+    const bool more = path.attribute && object != nullptr && object->get_class_attribute(*path.attribute, writer);
+    if (!more) response.status = GeneralStatus::attribute_not_supported;
     return response;
 }
 
@@ -218,7 +219,7 @@ Response MessageRouter::dispatch(const RequestView& request, const Origin& origi
             return multiple_service_packet(request, origin);
         }
         static constexpr ClassInfo router{.class_id = class_id::message_router, .max_instance_attribute = 0};
-        if (path->instance == 0) return call_class(request, *path, router);
+        if (path->instance == 0) return call_class(request, *path, router, nullptr);
         return refuse(GeneralStatus::service_not_supported);  // R-MR-1
     }
     const auto found = objects_.find(path->class_id);
@@ -228,7 +229,7 @@ Response MessageRouter::dispatch(const RequestView& request, const Origin& origi
 
 Response MessageRouter::dispatch(const RequestView& request, const RequestPath& path, Object& object,
                                  const Origin& origin) {
-    if (path.instance == 0) return call_class(request, path, object.info());
+    if (path.instance == 0) return call_class(request, path, object.info(), &object);
     Response response{static_cast<std::uint8_t>(request.service & 0x7F)};
     if (!object.has_instance(path.instance)) {
         response.status = GeneralStatus::path_destination_unknown;

@@ -2,6 +2,8 @@
 
 namespace servobus::cip {
 
+bool Object::get_class_attribute(std::uint32_t, Writer&) const { return false; }
+
 Status Object::set(std::uint32_t, std::uint32_t, ByteView) { return GeneralStatus::attribute_not_settable; }
 
 std::optional<std::size_t> Object::value_size(std::uint32_t, std::uint32_t, ByteView) const { return std::nullopt; }

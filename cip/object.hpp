@@ -69,6 +69,8 @@ public:
     virtual ~Object() = default;
 
     [[nodiscard]] virtual ClassInfo info() const = 0;
+    /// A class attribute beside those of ClassInfo: appends its value. False: there is none of that number.
+    [[nodiscard]] virtual bool get_class_attribute(std::uint32_t id, Writer& value) const;
     [[nodiscard]] virtual bool has_instance(std::uint32_t instance) const { return instance == 1; }
     /// Whether the instances of this class offer a service.
     [[nodiscard]] virtual bool offers(std::uint8_t service) const = 0;

@@ -4,11 +4,13 @@
 #include <array>
 #include <cctype>
 
+#include "cip/file_transfer.hpp"
+
 namespace servobus::cip::service {
 namespace {
 
 constexpr std::uint32_t any_class = 0;
-constexpr std::uint32_t file_class = 0x37;
+constexpr std::uint32_t file_class = file::class_id;
 
 struct Name {
     std::uint8_t code;
@@ -46,10 +48,10 @@ constexpr auto names = std::to_array<Name>({
     {0x57, class_id::connection_manager, "Search_Connection_Data"},
     {0x5A, class_id::connection_manager, "Get_Connection_Owner"},
     {0x5B, class_id::connection_manager, "Large_Forward_Open"},
-    {0x4B, file_class, "Initiate_Upload"},
+    {file::initiate_upload, file_class, "Initiate_Upload"},
     {0x4C, file_class, "Initiate_Download"},
     {0x4D, file_class, "Initiate_Partial_Read"},
-    {0x4F, file_class, "Upload_Transfer"},
+    {file::upload_transfer, file_class, "Upload_Transfer"},
     {0x50, file_class, "Download_Transfer"},
     {0x51, file_class, "Clear_File"},
 });

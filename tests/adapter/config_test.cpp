@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "adapter/file_settings.hpp"
 #include "drive/xenax.hpp"
+#include "eds/data_sheet.hpp"
 
 namespace servobus::adapter {
 namespace {
@@ -127,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
     Keys, WrongConfig,
     testing::Values(
         Wrong{"{\n  \"prot\": 1}",
-              "2:3: 'prot' is not a setting; here may stand: axis, bind, count, eds, identity, "
+              "2:3: 'prot' is not a setting; here may stand: axis, bind, count, eds, icon, identity, "
               "io_port, "
               "limits, log_level, lost_controller, motor, port, profiles, programs, scenario, seed, values, variant"},
         Wrong{"{\"identity\": {\"serial\": 1}}",
@@ -312,14 +314,39 @@ TEST_F(ConfigFile, ThatIsTooLarge) {
 }
 
 TEST_F(ConfigFile, TheEdsIsReadWhole) {
-    Config config;
-    config.eds = file("$ an EDS\r\n").string();
-    const auto loaded = load_eds(config);
+    const auto loaded = load_device_file(file("$ an EDS\r\n"));
     ASSERT_TRUE(std::holds_alternative<DeviceFile>(loaded));
-    EXPECT_EQ(std::get<DeviceFile>(loaded).name, "drive.json");
-    EXPECT_EQ(std::get<DeviceFile>(loaded).content.size(), 10U);
-    config.eds = (directory_ / "none.eds").string();
-    EXPECT_TRUE(std::holds_alternative<FileError>(load_eds(config)));
+    const auto& eds = std::get<DeviceFile>(loaded);
+    EXPECT_EQ(eds.name, "drive.json");
+    EXPECT_EQ(eds.content->size(), 10U);
+    EXPECT_EQ(eds.major_revision, 1);
+    EXPECT_EQ(eds.minor_revision, 0);
+    EXPECT_TRUE(std::holds_alternative<FileError>(load_device_file(directory_ / "none.eds")));
+}
+
+// Tools compare attribute 5 of the File object with it before they upload.
+TEST_F(ConfigFile, TheEdsSaysItsRevisionItself) {
+    const auto loaded = load_device_file(file("[File]\r\nRevision = 3.7;\r\n"));
+    EXPECT_EQ(std::get<DeviceFile>(loaded).major_revision, 3);
+    EXPECT_EQ(std::get<DeviceFile>(loaded).minor_revision, 7);
+}
+
+TEST(GeneratedFiles, DescribeTheConfiguredDrive) {
+    auto settings = config(R"({"variant": "48v8", "identity": {"minor_revision": 4, "product_name": "Press 7"},
+                               "limits": {"listening_connections": 3, "class3_connections": 5}})");
+    const auto files = generated_files(settings);
+    EXPECT_EQ(files.eds->name, "XENAX_XVI_48V8_EtherNetIP.eds");
+    const auto sheet =
+        eds::read({reinterpret_cast<const char*>(files.eds->content->data()), files.eds->content->size()});
+    ASSERT_TRUE(sheet);
+    EXPECT_EQ(sheet->device.product_code, 0x4808);
+    EXPECT_EQ(sheet->device.minor_revision, 4);
+    EXPECT_EQ(sheet->device.product_name, "Press 7");
+    EXPECT_EQ(sheet->capacity.io_connections, 4U);
+    EXPECT_EQ(sheet->capacity.message_connections, 5U);
+    EXPECT_EQ(sheet->file.revision, (eds::Revision{files.eds->major_revision, files.eds->minor_revision}));
+    EXPECT_EQ(files.icon->name, sheet->device.icon);
+    EXPECT_EQ(*files.icon->content, sheet->device.icon_content);
 }
 
 }  // namespace

@@ -36,9 +36,13 @@ struct Site {
     static constexpr enip::Endpoint local{0xC0A80264, enip::tcp_port};  // 192.168.2.100
 
     explicit Site(adapter::Limits limits = {}, drive::Device drive = drive::Device(drive::xenax_models().front()),
-                  std::uint64_t seed = 1)
+                  std::uint64_t seed = 1, adapter::DeviceFiles files = {})
         : device(std::move(drive)),
-          adapter(device, limits, seed, [this](adapter::LogLevel, std::string_view line) { log.emplace_back(line); }) {}
+          adapter(
+              device, limits, seed, [this](adapter::LogLevel, std::string_view line) { log.emplace_back(line); }, {},
+              std::move(files)) {}
+    explicit Site(adapter::DeviceFiles files, adapter::Limits limits = {})
+        : Site(limits, drive::Device(drive::xenax_models().front()), 1, std::move(files)) {}
 
     /// Lets time pass, from deadline to deadline, as the server does.
     void advance(std::chrono::milliseconds duration) {

@@ -121,11 +121,10 @@ adapter::Network example_network() {
     return network;
 }
 
-adapter::DeviceFile example_file() {
+adapter::DeviceFiles example_files() {
     constexpr std::string_view text = "[File]\r\nDescText = \"Golden vector\";\r\n";
-    adapter::DeviceFile file;
-    file.content.assign(text.begin(), text.end());
-    return file;
+    return {.eds = adapter::DeviceFile{.content = std::make_shared<const cip::Bytes>(text.begin(), text.end()),
+                                       .name = "golden.eds"}};
 }
 
 std::uint32_t word_at(ByteView bytes, std::size_t offset) {
@@ -238,7 +237,7 @@ private:
 
     unsigned scene_;
     AdapterHarness harness_{
-        drive::Device(drive::xenax_models().front(), drive::Motor::linear), {}, example_network(), example_file()};
+        drive::Device(drive::xenax_models().front(), drive::Motor::linear), {}, example_network(), example_files()};
     std::optional<std::uint32_t> session_;        ///< when the scene has registered itself
     std::map<std::uint32_t, std::uint32_t> ids_;  ///< the vectors' to the device's
 };

@@ -38,8 +38,8 @@ public:
     static constexpr enip::Endpoint io_local{0xC0A80264, enip::io_port};
 
     explicit AdapterHarness(drive::Device device = drive::Device(drive::xenax_models().front()),
-                            adapter::Limits limits = {}, adapter::Network network = {}, adapter::DeviceFile file = {})
-        : device_(std::move(device)), adapter_(device_, limits, seed, {}, std::move(network), std::move(file)) {
+                            adapter::Limits limits = {}, adapter::Network network = {}, adapter::DeviceFiles files = {})
+        : device_(std::move(device)), adapter_(device_, limits, seed, {}, std::move(network), std::move(files)) {
         connect();
     }
 
