@@ -179,6 +179,16 @@ boost::system::result<ReadOutcome> Link::read(const drive::Parameter& row) {
     return read_outcome(row, *response);
 }
 
+boost::system::result<UploadOutcome> Link::upload(FileUploadOptions options,
+                                                  std::function<void(std::size_t, std::uint32_t)> progress) {
+    Waiting<UploadOutcome> waiting(io_->context);
+    async_upload_file(*io_->client, options, UploadManners{settings_.timeout, std::move(progress)}, waiting.token());
+    auto outcome = waiting.wait();
+    if (!outcome) note(outcome.error());
+    deadline_ = steady_clock::now() + settings_.timeout;
+    return outcome;
+}
+
 void Link::wait_until(steady_clock::time_point when) {
     net::steady_timer timer(io_->context, when);
     bool over = false;

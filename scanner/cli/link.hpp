@@ -18,6 +18,7 @@
 #include "scanner/error.hpp"
 #include "scanner/host.hpp"
 #include "scanner/reading.hpp"
+#include "scanner/upload_file.hpp"
 
 namespace servobus::scanner::cli {
 
@@ -56,6 +57,10 @@ public:
     // Everything until the first answer that does not come is bounded by one timeout, however the device dawdles.
     [[nodiscard]] boost::system::result<cip::Response> call(const cip::Request& request);
     [[nodiscard]] boost::system::result<ReadOutcome> read(const drive::Parameter& row);
+
+    /// A file from the File object. Each of its requests has the timeout for itself.
+    [[nodiscard]] boost::system::result<UploadOutcome> upload(FileUploadOptions options,
+                                                              std::function<void(std::size_t, std::uint32_t)> progress);
 
     /// Does nothing until then, but keeps the connection.
     void wait_until(std::chrono::steady_clock::time_point when);

@@ -12,6 +12,7 @@
 
 #include "scanner/cli/axis_command_line.hpp"
 #include "scanner/cli/completion.hpp"
+#include "scanner/cli/eds_command_line.hpp"
 #include "scanner/cli/exit_code.hpp"
 #include "scanner/cli/io_command_line.hpp"
 #include "scanner/cli/verbs.hpp"
@@ -42,6 +43,7 @@ public:
         add_services();
         add_axis();
         add_io();
+        add_eds();
         add_offline();
     }
 
@@ -169,6 +171,8 @@ private:
 
     void add_io() { io_.add_to(app_, decoration(), chooser()); }
 
+    void add_eds() { eds_.add_to(app_, decoration(), chooser()); }
+
     /// What verbs of a command line of their own have as well.
     std::function<void(CLI::App&)> decoration() {
         return [this](CLI::App& verb) {
@@ -265,6 +269,7 @@ private:
     ListArguments list_;
     AxisCommandLine axis_;
     IoCommandLine io_;
+    EdsCommandLine eds_;
     double timeout_s_ = 5;
     int wait_ms_ = 1000;
     std::optional<std::string> route_;

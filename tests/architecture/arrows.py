@@ -40,11 +40,12 @@ ARROWS = {
     "enip/asio": folder("enip", "cip", asio=True),
     "eds": folder("assemblies", "cip", "drive"),
     "adapter": folder(*DEVICE, libraries=PROGRAM),
-    "scanner": folder(*DEVICE, libraries=PROGRAM),
+    "scanner": folder(*DEVICE, libraries=PROGRAM | {"zlib.h"}),
 }
 
 # What a link in a CMakeLists.txt lets a folder include.
-EXTERNAL_LINKS = {"fmt": "fmt", "nlohmann_json": "nlohmann", "CLI11": "CLI", "spdlog": "spdlog"}
+EXTERNAL_LINKS = {"fmt": "fmt", "nlohmann_json": "nlohmann", "CLI11": "CLI", "spdlog": "spdlog",
+                  "ZLIB": "zlib.h"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 LINKS = re.compile(r"\b(?:servobus_library|target_link_libraries)\s*\(\s*(\w+)([^)]*)\)")
@@ -78,7 +79,7 @@ def wrong_include(name, bracket, header):
         if not rules.boost:
             return f"{name}/ may not include Boost"
         return None if part not in BOOST_WITH_IO else f"{name}/ may not include Boost with input and output"
-    if library in PROGRAM or (rest and library in ARROWS):
+    if library in EXTERNAL_LINKS.values() or (rest and library in ARROWS):
         return None if library in rules.libraries else f"{name}/ may not include <{header}>"
     return None
 

@@ -38,6 +38,7 @@ class Arrows(unittest.TestCase):
         self.assert_fine("adapter/main.cpp", '#include "enip/asio/a.hpp"')
         self.assert_fine("scanner/examples/a.cpp", '#include "scanner/a.hpp"')
         self.assert_fine("eds/a.cpp", '#include "assemblies/a.hpp"')
+        self.assert_fine("scanner/a.cpp", "#include <zlib.h>")
 
     def test_wrong_includes(self):
         self.assert_wrong("drive/a.cpp", '#include "cip/a.hpp"')
@@ -56,6 +57,7 @@ class Arrows(unittest.TestCase):
         self.assert_wrong("adapter/a.cpp", "#include <scanner/a.hpp>")
         self.assert_wrong("adapter/a.cpp", "#include <boost/asio/io_context.hpp>")
         self.assert_wrong("scanner/a.cpp", '#include "adapter/a.hpp"')
+        self.assert_wrong("adapter/a.cpp", "#include <zlib.h>")
         self.assert_wrong("eds/a.cpp", '#include "adapter/a.hpp"')
         self.assert_wrong("adapter/a.cpp", '#include "a.hpp"')
 
@@ -71,6 +73,7 @@ class Arrows(unittest.TestCase):
         self.assert_wrong("enip/CMakeLists.txt", "servobus_library(enip SOURCES a.cpp LINKS servobus_enip_asio)")
         self.assert_wrong("enip/CMakeLists.txt", "servobus_library(enip_asio SOURCES a.cpp LINKS servobus::drive)")
         self.assert_wrong("scanner/CMakeLists.txt", "target_link_libraries(servobus_scanner PRIVATE servobus_adapter)")
+        self.assert_wrong("adapter/CMakeLists.txt", "servobus_library(adapter SOURCES a.cpp LINKS ZLIB::ZLIB)")
         self.assert_wrong("scanner/CMakeLists.txt", "target_link_libraries(servobus_scanner_main servobus_adapter_cli)")
 
     def test_an_empty_tree_has_nothing_to_look_at(self):

@@ -32,6 +32,7 @@ protected:
         host = "127.88." + std::to_string(number >> 8) + "." + std::to_string(number & 0xFF);
         std::vector<std::string> words{adapter,       "--bind", host,        "--port",      "44818",
                                        "--log-level", "error",  "--control", control_path()};
+        words.insert(words.end(), options.begin(), options.end());
         std::vector<char*> argv;
         for (auto& word : words) argv.push_back(word.data());
         argv.push_back(nullptr);
@@ -76,6 +77,7 @@ protected:
     }
 
     std::string host;
+    std::vector<std::string> options;  ///< of the program, beside the usual ones; before start()
 
 private:
     int end(int signal) {

@@ -1,0 +1,56 @@
+#include "scanner/cli/eds_command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+namespace servobus::scanner::cli {
+namespace {
+
+void add_host(CLI::App& verb, std::string& host) {
+    verb.add_option("HOST", host, "Name or address of the device, with :PORT if it is not 44818")
+        ->required()
+        ->type_name("");
+}
+
+}  // namespace
+
+void EdsCommandLine::add_to(CLI::App& app, const std::function<void(CLI::App&)>& decorate,
+                            std::function<void(Action)> choose) {
+    decorate_ = decorate;
+    choose_ = std::move(choose);
+    auto& eds = *app.add_subcommand("eds", "Work with data sheets (EDS files): upload them from devices, ...");
+    decorate_(eds);
+    eds.require_subcommand(1);
+    eds.footer(
+        "Examples:\n"
+        "  servobus-scanner eds upload 192.168.2.100\n"
+        "\n'eds VERB --help' has more.");
+    add_upload(eds);
+}
+
+CLI::App& EdsCommandLine::add_verb(CLI::App& eds, const std::string& name, const std::string& description,
+                                   const std::string& examples, Action action) {
+    auto& verb = *eds.add_subcommand(name, description);
+    decorate_(verb);
+    verb.footer("Examples:\n" + examples);
+    verb.callback([this, action = std::move(action)] { choose_(action); });
+    return verb;
+}
+
+void EdsCommandLine::add_upload(CLI::App& eds) {
+    auto& verb = add_verb(
+        eds, "upload", "Store the data sheet that a device keeps about itself",
+        "  servobus-scanner eds upload 192.168.2.100\n"
+        "  servobus-scanner eds upload 192.168.2.100 -o drive.eds --force\n"
+        "  servobus-scanner eds upload 192.168.2.100 --icon -o drive.ico\n",
+        [this](const Console& console, const Settings& settings) { return eds_upload(console, settings, upload_); });
+    add_host(verb, upload_.host);
+    verb.add_option("-o,--output", upload_.output,
+                    "Where to; - is standard output. Without it here, as the device calls the file")
+        ->type_name("FILE");
+    verb.add_flag("--icon", upload_.icon, "The icon instead of the data sheet");
+    verb.add_flag("--force", upload_.force, "Overwrite a file that is there");
+    verb.add_flag("--raw", upload_.raw, "Do not decompress what a device keeps compressed");
+}
+
+}  // namespace servobus::scanner::cli
