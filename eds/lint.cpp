@@ -1,5 +1,7 @@
 #include "eds/lint.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "cip/hex.hpp"
@@ -24,19 +26,22 @@ std::vector<Finding> lint(std::string_view octets) {
     return document ? lint(*document) : std::vector<Finding>{document.error()};
 }
 
-std::string path_objection(const DataSheet& sheet, const PathPattern& path) {
+void check_path(const DataSheet& sheet, const PathPattern& path, std::size_t line, std::string_view owner,
+                Notes& notes) {
     for (const auto& part : path.parts) {
         const auto* reference = std::get_if<PathPattern::Parameter>(&part);
-        if (reference != nullptr && sheet.parameter(reference->number) == nullptr) {
-            return "the path names Param" + std::to_string(reference->number) + ", which is not there";
-        }
+        if (reference == nullptr || sheet.parameter(reference->number) != nullptr) continue;
+        notes.error(line, fmt::format("{}: the path names Param{}, which is not there", owner, reference->number));
     }
     const auto octets = path.octets();
-    if (!octets) return {};
+    if (!octets) return;
+    const auto shown = cip::to_hex(cip::ByteView(*octets).first(std::min<std::size_t>(octets->size(), 16)));
     const auto list = segments(*octets);
-    if (!list) return "the path '" + cip::to_hex(*octets) + "' has a segment that does not exist, or is cut";
-    if (list->encode() != *octets) return "the path '" + cip::to_hex(*octets) + "' lacks the padding of wide segments";
-    return {};
+    if (!list) {
+        notes.error(line, fmt::format("{}: the path '{}' has a segment that does not exist, or is cut", owner, shown));
+    } else if (list->encode() != *octets) {
+        notes.warning(line, fmt::format("{}: the path '{}' lacks the padding of wide segments", owner, shown));
+    }
 }
 
 }  // namespace servobus::eds

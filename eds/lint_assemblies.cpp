@@ -14,7 +14,7 @@ public:
         : sheet_(sheet), assembly_(assembly), notes_(notes) {}
 
     void run() {
-        if (const auto objection = path_objection(sheet_, assembly_.path); !objection.empty()) error(objection);
+        check_path(sheet_, assembly_.path, assembly_.line, assembly_.keyword, notes_);
         for (const auto& member : assembly_.members) check_member(member);
         if (!assembly_.size) return warning("neither its size nor its members tell how many octets it has");
         check_sum();

@@ -26,7 +26,8 @@ public:
         check_ownership();
         check_part("the proxy's configuration", connection_.proxy_configuration);
         check_part("the target's configuration", connection_.target_configuration);
-        check_path();
+        if (connection_.path.empty()) error("there is no path");
+        check_path(sheet_, connection_.path, connection_.line, connection_.keyword, notes_);
     }
 
 private:
@@ -109,11 +110,6 @@ private:
         if (*ownership == Ownership::listen_only && !connection_.parameters.t_to_o().multicast) {
             error("who only listens joins a multicast, and T->O has none");
         }
-    }
-
-    void check_path() {
-        if (connection_.path.empty()) return error("there is no path");
-        if (const auto objection = path_objection(sheet_, connection_.path); !objection.empty()) error(objection);
     }
 
     const DataSheet& sheet_;

@@ -57,9 +57,7 @@ void check_ports(const Sheet& sheet, Notes& notes) {
             notes.warning(entry.line,
                           fmt::format("{}: '{}' is no type of a port", entry.keyword, port.type.substr(0, 40)));
         }
-        if (const auto objection = path_objection(sheet.read, port.path); !objection.empty()) {
-            notes.error(entry.line, fmt::format("{}: {}", entry.keyword, objection));
-        }
+        check_path(sheet.read, port.path, entry.line, entry.keyword, notes);
         if (!port.number) {
             notes.error(entry.line, fmt::format("{}: there is no port number", entry.keyword));
         } else if (!numbers.insert(*port.number).second) {

@@ -80,7 +80,7 @@ public:
     void run() {
         if (parameter_.number == 0) error("the numbers of Params begin with 1");
         if (parameter_.name.empty()) warning("there is no name");
-        if (const auto objection = path_objection(sheet_, parameter_.path); !objection.empty()) error(objection);
+        check_path(sheet_, parameter_.path, parameter_.line, fmt::format("Param{}", parameter_.number), notes_);
         if ((parameter_.descriptor & reserved_parameter_bits) != 0) {
             warning(fmt::format("descriptor 0x{:04X} has reserved bits", parameter_.descriptor));
         }

@@ -41,7 +41,8 @@ void lint_assemblies(const Sheet& sheet, Notes& notes);   ///< [Assembly]
 void lint_connections(const Sheet& sheet, Notes& notes);  ///< [Connection Manager]
 void lint_network(const Sheet& sheet, Notes& notes);      ///< [Port], [Capacity] and the classes
 
-/// Whether `path` is one that has no gaps, and what is wrong otherwise: empty when nothing is.
-[[nodiscard]] std::string path_objection(const DataSheet& sheet, const PathPattern& path);
+/// Notes what is wrong with a path: `owner` is whose it is, as the words begin.
+void check_path(const DataSheet& sheet, const PathPattern& path, std::size_t line, std::string_view owner,
+                Notes& notes);
 
 }  // namespace servobus::eds

@@ -142,15 +142,14 @@ void lint_sections(const Sheet& sheet, Notes& notes) {
 }
 
 void lint_identity(const Sheet& sheet, Notes& notes) {
-    const auto& [document, read] = sheet;
     const auto line = [&](std::string_view section, std::string_view keyword) {
-        const auto* entry = document.find(section, keyword);
+        const auto* entry = sheet.document.find(section, keyword);
         return entry != nullptr ? entry->line : 0;
     };
     constexpr std::uint8_t largest_major = 127;  // the highest bit is the key's (R-CON-11)
     constexpr std::size_t longest_product_name = 32;
-    const auto& file = read.file;
-    const auto& device = read.device;
+    const auto& file = sheet.read.file;
+    const auto& device = sheet.read.device;
     if (file.create_date && file.modification_date &&
         std::chrono::sys_days(*file.modification_date) < std::chrono::sys_days(*file.create_date)) {
         notes.warning(line("File", "ModDate"), "ModDate is before CreateDate");
@@ -175,8 +174,8 @@ void lint_identity(const Sheet& sheet, Notes& notes) {
     if (!device.icon_content.empty() && device.icon.empty()) {
         notes.warning(line("Device", "IconContents"), "IconContents has no Icon, which is its file name");
     }
-    const auto* classification = document.find("Device Classification");
-    if (classification != nullptr && !contains(read.classifications, "EtherNetIP")) {
+    const auto* classification = sheet.document.find("Device Classification");
+    if (classification != nullptr && !contains(sheet.read.classifications, "EtherNetIP")) {
         notes.warning(classification->line, "no Class of [Device Classification] is EtherNetIP");
     }
 }

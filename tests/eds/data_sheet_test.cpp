@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cip/hex.hpp"
+#include "tests/eds/sheet_file.hpp"
 
 namespace servobus::eds {
 namespace {
@@ -13,63 +14,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 // A device with everything that sheets of different makers have, in the ways in which they write it.
-constexpr std::string_view sample = R"([File]
-        DescText = "A mixed device";
-        CreateDate = 01-31-2020; CreateTime = 10:50:30;
-        ModDate = 02-01-2021; ModTime = 00:00:01;
-        Revision = 2.3;
-        HomeURL = "http://example.com";
-[Device]
-        VendCode = 283; VendName = "Someone"; ProdType = 12; ProdTypeStr = "Communications Adapter";
-        ProdCode = 0x129; MajRev = 2; MinRev = 6; ProdName = "Mix"; Catalog = "2270.000";
-        Icon = "mix.ico"; IconContents = "AAAB" "AA==";
-        1_Tool = Yes;
-[Device Classification]
-        Class1 = EtherNetIP;
-        Class2 = 1_Rack, 1_Adapter;
-[Params]
-        Param1 = 0,,,0x0004,0xC8,4,"RPI","us","",10000,1000000,100000,1,1000,1,0,,,,,1;
-        Param2 = 0,,,0x0000,0xC7,2,"Size","","",0,504,32,,,,,,,,,;
-        Param5 = 0,,,0x0000,0xC6,1,"In point","","",101,101,101,,,,,,,,,;
-        Param6 = 0,,,0x0000,0xC7,2,"Out point","","",100,110,100,,,,,,,,,;
-        Param7 = 0,6,"20 0F 24 07 30 01",0x0082,0xC2,1,"Mode","","Chooses"
-                 " the mode",-2,8,-1,,,,,,,,,;
-        Enum7 = -2,"Jog", -1,"Rotate", 8,"Cyclic",;
-        Param8 = 0,6,"20 0F 24 08 30 01",0x0010,0xD0,,"Label","","",0,20,"motor",,,,,,,,,;
-        Param9 = 0,6,"20 0F 24 09 30 01",0x0000,0xCA,4,"Gain","","",-1.5,2.5,.5,,,,,,,,,;
-        Param10 = 0,,,0,0xC9,8,"Big","","",0,0xFFFFFFFFFFFFFFFF,1,,,,,,,,,;
-        Param11 = 0,6,"20 0F 24 0B 30 01",0x0000,0xD1,1,"Flags","","",,,0x81,,,,,,,,,;
-        Param12 = 0,,,0x0800,0xDC,,"Data","","",0,400,"20 0C 21 01",,,,,,,,,;
-        Param13 = 0,6,"20 0F 24 0D 30 01",0x000C,0xC3,2,"Speed","rpm","",-100,100,7,3,2,5,-1,Param5,6,,,2;
-[Groups]
-        Group1 = "Setup", 3, 7, 8, Param9;
-[Assembly]
-        Object_Name = "Assembly Object"; Object_Class_Code = 0x04; MaxInst = 110;
-        Assem100 = "Out", "20 04 24 64 30 03", 4, 0x0001, ,, 16,Param6, 8,, 8,"20 0F 24 0B 30 01";
-        Assem101 = "In", , , 0, ,, 1,Param11, 3,, 4,0x5, ,Param6, 8,Assem102;
-        Assem102 = "Inner", "", 1, 0, ,, 8,Param5;
-        Assem103 = "Settings", "20 04 24 67 30 03", 8, 0, ,, 8,Param7, 32,Param9, 8,Param11;
-        AssemExa1 = "Extended", , Param2, 0, ,, 8,Param5;
-        243_1794_Assem1 = ,,,,,,16,1;
-[Connection Manager]
-        PITNS = Yes;
-        Connection1 = 0x04070002, 0x44640405, Param1,,Assem100, Param1,Param2,Assem101, ,, ,Assem103,
-                "Exclusive Owner ", "Opens it", "20 04 24 01 2C [Param6] 2C [Param5]";
-        Connection2 = 0x01010002, 0x44240305, 5000,0,, ,,Assem101, 2,Assem102, 4,Assem103,
-                "Listen", "", "20 04 24 01 2C C0 2C 65";
-        Connection3 = 0x84010002, 0x44640405, ,8,, ,8,, ,, ,Param7, "Tag", "", SYMBOL_ANSI;
-[Port]
-        Port1 = TCP, "EtherNet/IP", "20 F5 24 01", 2;
-        Port2 = 1_Chassis, Backplane, 20 66 24 01, 1;
-[Capacity]
-        ConnOverhead = .004;
-        MaxIOConnections = 5; MaxMsgConnections = 8; MaxConsumersPerMcast = 4;
-        TSpec1 = TxRx, 504, 3000;
-[Ethernet Link Class]
-        Revision = 4; Object_Class_Code = 0xF6; MaxInst = 2; Number_Of_Static_Instances = 2;
-[Class940_Vendor1]
-        Object_Class_Code = 0x3AC;
-)";
+const std::string sample = test::sheet("mixed.eds");
 
 DataSheet sheet_of(std::string_view text) {
     auto sheet = read(text);
@@ -335,6 +280,29 @@ TEST(DataSheet, SaysWhatAFieldShouldBe) {
                     "line 14: error: Connection1: field 3 is 'Param9', which is not there",
                     "line 14: error: Connection1: field 5 is 'Assem9', which is not there",
                     "line 14: error: Connection1: field 6 is 'y', no number and no Param of 0 to 4294967295"));
+}
+
+// What is written as badly as it can be, and what is made of it.
+TEST(DataSheet, Quirks) {
+    const auto sheet = sheet_of(test::sheet("quirks.eds"));
+    EXPECT_EQ(sheet.file.description, "no end of the string");
+    EXPECT_EQ(sheet.file.create_date, 2001y / 6 / 6);
+    EXPECT_EQ(sheet.file.create_time, 9h + 5min);
+    EXPECT_EQ(sheet.file.revision, (Revision{2, 0}));
+    EXPECT_EQ(sheet.file.home_url, "C:\\dir\\");
+    EXPECT_EQ(sheet.device.vendor, 1);
+    EXPECT_EQ(sheet.device.vendor_name, "Someoneelse twice");
+    EXPECT_EQ(sheet.device.product_name, "AB");
+    ASSERT_EQ(sheet.parameters.size(), 2U);
+    EXPECT_EQ(sheet.parameter(1)->address(), (AttributeAddress{0x0F, 1, 1}));
+    EXPECT_EQ(sheet.parameter(2)->standard, Value(std::string("x")));
+    EXPECT_EQ(*sheet.parameter(2)->enum_text(1), "a");
+    EXPECT_EQ(sheet.assembly("Assem1")->size, std::nullopt) << "it is inside itself";
+    EXPECT_EQ(attribute_address(sheet.assembly("AssemExa2")->path), (AttributeAddress{4, 2, 3}));
+    EXPECT_EQ(sheet.assembly("AssemExa2")->size, 2U) << "12 bits";
+    const auto& connection = *sheet.connection("n\"1\"");
+    EXPECT_EQ(connection.transport.bits, 6U);
+    EXPECT_EQ(cip::to_hex(*sheet.connection_path(connection, {{1, std::int64_t{7}}}, "ab")), "2C 07 00 91 02 61 62");
 }
 
 TEST(DataSheet, AnAssemblyInsideItselfHasNoSize) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes seeds for the fuzzers from the golden vectors.
+"""Writes seeds for the fuzzers from the golden vectors, and from the data sheets of tests/eds.
 
     make_corpus.py DIRECTORY
 
@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 VECTORS = Path(__file__).resolve().parents[1] / "golden" / "golden_vectors.json"
+SHEETS = Path(__file__).resolve().parents[1] / "eds" / "sheets"
 HEADER = 24          # encapsulation
 SEND_DATA = 6        # interface handle, timeout
 WHOLE = bytes([0xFF, 0xFF])  # the largest limit and pieces, no hurry
@@ -74,6 +75,8 @@ def seeds(vectors):
         yield "fuzz_adapter", WHOLE + conversation
         yield "fuzz_adapter", bytes([7, 0]) + conversation
         yield "fuzz_frame_decoder", bytes([0x20, 2]) + conversation
+    for sheet in sorted(SHEETS.glob("*.eds")):
+        yield "fuzz_eds", sheet.read_bytes()
 
 
 def main():
