@@ -77,7 +77,7 @@ struct ClassSection {
 
 constexpr std::array class_sections{
     ClassSection{"Identity Class", "Identity Object", 0x01, 1, 1, 1},
-    ClassSection{"File Class", "File Object", 0x37, 3, 0xC9, 3},  // 1 and 0xC8 the sheet, 0xC9 the icon (R-FIL-1)
+    ClassSection{"File Class", "File Object", 0x37, 3, 0xC9, 2},  // 0xC8 the sheet, 0xC9 the icon (R-FIL-1)
     ClassSection{"DLR Class", "Device Level Ring Object", 0x47, 3, 1, 1},
     ClassSection{"QoS Class", "Quality of Service Object", 0x48, 1, 1, 1},
     ClassSection{"TCP/IP Interface Class", "TCP/IP Interface Object", 0xF5, 4, 1, 1},

@@ -297,7 +297,7 @@ TEST(DataSheet, Quirks) {
     EXPECT_EQ(sheet.parameter(1)->address(), (AttributeAddress{0x0F, 1, 1}));
     EXPECT_EQ(sheet.parameter(2)->standard, Value(std::string("x")));
     EXPECT_EQ(*sheet.parameter(2)->enum_text(1), "a");
-    EXPECT_EQ(sheet.assembly("Assem1")->size, std::nullopt) << "it is inside itself";
+    EXPECT_EQ(sheet.assembly("Assem1")->size, 4U) << "the inner one counts as the bits that are stated";
     EXPECT_EQ(attribute_address(sheet.assembly("AssemExa2")->path), (AttributeAddress{4, 2, 3}));
     EXPECT_EQ(sheet.assembly("AssemExa2")->size, 2U) << "12 bits";
     const auto& connection = *sheet.connection("n\"1\"");
