@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cip/bytes.hpp"
+#include "enip/dscp.hpp"
 #include "enip/endpoint.hpp"
 #include "enip/io_queue.hpp"
 #include "enip/time.hpp"
@@ -48,6 +49,9 @@ public:
 
     /// The datagrams that are due.
     [[nodiscard]] virtual std::vector<Datagram> take_datagrams() = 0;
+
+    /// What the packets of TCP and of those datagrams carry (R-QOS-5). It may change when the target restarts.
+    [[nodiscard]] virtual std::uint8_t explicit_dscp() const { return dscp_explicit; }
 
     /// A datagram at the port of class 0 and 1 (UDP 2222), which carries data of a connection or nothing that counts.
     virtual void on_io(Endpoint peer, Endpoint local, cip::ByteView octets, Time now) = 0;

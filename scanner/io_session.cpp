@@ -5,13 +5,16 @@
 #include <boost/system/errc.hpp>
 #include <utility>
 
+#include "enip/dscp.hpp"
+
 namespace servobus::scanner {
 namespace {
 
 using std::chrono::milliseconds;
 
-/// The default DSCP values of class 0 and 1 by priority (R-QOS-2, R-QOS-5).
-constexpr std::array<std::uint8_t, 4> dscp_of_priority{31, 43, 47, 55};
+/// Of class 0 and 1 by priority (R-QOS-5).
+constexpr std::array<std::uint8_t, 4> dscp_of_priority{enip::dscp_low, enip::dscp_high, enip::dscp_scheduled,
+                                                       enip::dscp_urgent};
 /// Of O->T to a group (R-IO-11).
 constexpr std::uint8_t multicast_ttl = 1;
 /// O->T goes out on a change at most this many times in an interval (R-CON-52).

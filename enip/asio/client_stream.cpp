@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "enip/asio/lookup.hpp"
+#include "enip/asio/mark.hpp"
+#include "enip/dscp.hpp"
 
 namespace servobus::enip::asio {
 namespace {
@@ -62,6 +64,7 @@ void ClientStream::on_addresses(error_code error, const Addresses& addresses) {
         } else {
             error_code ignored;
             self->socket_.set_option(net::ip::tcp::no_delay(true), ignored);
+            mark(self->socket_.native_handle(), dscp_explicit);
             self->read();
         }
         std::exchange(self->connected_, nullptr)(failure);

@@ -16,6 +16,8 @@
 #include "enip/asio/client_stream.hpp"
 #include "enip/asio/interfaces.hpp"
 #include "enip/asio/lookup.hpp"
+#include "enip/asio/mark.hpp"
+#include "enip/dscp.hpp"
 
 namespace servobus::enip::asio {
 namespace {
@@ -93,6 +95,7 @@ private:
             if (!first_error_) first_error_ = error;
             return;
         }
+        mark(outlet->socket.native_handle(), dscp_explicit);
         // Without this the system sends 255.255.255.255 through one interface only.
         const auto index = htonl(interface.index);
         ::setsockopt(outlet->socket.native_handle(), IPPROTO_IP, IP_UNICAST_IF, &index, sizeof index);
@@ -207,6 +210,7 @@ private:
         target_ = udp::endpoint(found.front().address(), found.front().port());
         error_code failure;
         socket_.open(target_.protocol(), failure);
+        if (!failure) mark(socket_.native_handle(), dscp_explicit);
         // Connected, so that only the asked host answers, and a closed port is told at once.
         if (!failure) socket_.connect(target_, failure);
         if (failure) {

@@ -31,7 +31,8 @@ std::vector<Interface> interfaces() {
         const auto mask = ipv4(entry->ifa_netmask);
         if (!address || !mask) continue;
         const auto flags = entry->ifa_flags;
-        found.push_back({.index = ::if_nametoindex(entry->ifa_name),
+        found.push_back({.name = entry->ifa_name,
+                         .index = ::if_nametoindex(entry->ifa_name),
                          .address = *address,
                          .mask = *mask,
                          .loopback = (flags & IFF_LOOPBACK) != 0,

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace servobus::enip::asio {
 
 /// One address of an interface. Addresses in host order.
 struct Interface {
+    std::string name{};
     unsigned index = 0;
     std::uint32_t address = 0;
     std::uint32_t mask = 0;

@@ -33,6 +33,7 @@ struct Listening {
     Endpoint local;
     std::uint16_t io_port = 0;
     std::uint32_t subnet_mask = 0;  ///< of the subnet that the address is in; 0 at all addresses
+    std::string interface {};       ///< that the address belongs to, by name; empty at all addresses
 };
 
 class TargetServer {

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <utility>
 
+#include "enip/asio/mark.hpp"
 #include "enip/encapsulation.hpp"
 
 namespace servobus::enip::asio {
@@ -85,12 +86,14 @@ boost::system::result<Listening, ListenError> TargetStation::listen(const Listen
     }
     if (auto failed = open_messages(options, address.to_uint())) return *std::move(failed);
     if (auto failed = open_io(options)) return *std::move(failed);
+    mark_messages();
     interface_ = interface_of(local_.address);
     if (interface_) {
         open_broadcast(directed_, interface_->broadcast());
         open_broadcast(limited_, 0xFFFFFFFF);
     }
-    return Listening{local_, io_port(), interface_ ? interface_->mask : 0};
+    if (!interface_) return Listening{local_, io_port()};
+    return Listening{local_, io_port(), interface_->mask, interface_->name};
 }
 
 // TCP and UDP at the same port.
@@ -140,6 +143,15 @@ void TargetStation::open_broadcast(DatagramSocket& socket, std::uint32_t address
     }
 }
 
+// The values of QoS are those of the last restart (R-QOS-4), of which these sockets hear nothing.
+void TargetStation::mark_messages() {
+    const auto dscp = target_.explicit_dscp();
+    if (dscp_ == dscp) return;
+    dscp_ = dscp;
+    mark(acceptor_.native_handle(), dscp);
+    mark(unicast_.socket().native_handle(), dscp);
+}
+
 void TargetStation::start() {
     net::co_spawn(shared_.context, accept(), net::detached);
     net::co_spawn(shared_.context, datagrams(unicast_), net::detached);
@@ -167,6 +179,7 @@ net::awaitable<void> TargetStation::serve(tcp::socket socket) {
     error_code error;
     socket.set_option(tcp::no_delay(true), error);
     socket.non_blocking(true, error);  // for write_now()
+    mark(socket.native_handle(), target_.explicit_dscp());
     const auto peer = to_endpoint(socket.remote_endpoint(error));
     const auto local = to_endpoint(socket.local_endpoint(error));
     const auto id = target_.on_open(peer, local, now());
@@ -307,6 +320,7 @@ void TargetStation::after_event() {
     // What is due by now does not wait for the timer's turn, which may come late when there are many requests.
     static_cast<void>(catch_up());
     const auto next = target_.next_deadline();
+    mark_messages();
     flush();
     // A deadline that moved later is noticed when the timer fires; only an earlier one needs a new start.
     if (next && (!armed_ || *next < *armed_)) {

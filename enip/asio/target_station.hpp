@@ -68,6 +68,7 @@ private:
     [[nodiscard]] bool catch_up();
     /// The time for the target, which never goes back.
     [[nodiscard]] Time now();
+    void mark_messages();
     void receive_io();
     void flush();
     void close_expired();
@@ -95,7 +96,8 @@ private:
     };
     std::map<Target::ConnectionId, Peer> peers_;
     std::optional<Time> armed_;
-    Time latest_{};  ///< that the target has been told
+    std::optional<std::uint8_t> dscp_;  ///< that messages leave with
+    Time latest_{};                     ///< that the target has been told
     bool stopped_ = false;
 };
 
