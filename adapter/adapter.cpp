@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "adapter/event_words.hpp"
 #include "adapter/file_object.hpp"
 #include "adapter/parameter_object.hpp"
+#include "adapter/port_object.hpp"
 #include "adapter/qos_object.hpp"
 #include "adapter/tcp_ip_object.hpp"
 #include "cip/wire.hpp"
@@ -143,16 +145,34 @@ void Adapter::build_objects() {
     manager_ = manager.get();
     manager_->refuse_opens([this] { return faults_.refuse_open(); });
     router_.add(std::move(manager));
+    router_.add(std::make_unique<PortObject>(network_.state));
     std::set<std::uint16_t> classes;
     for (const auto& row : device_.store().table()) classes.insert(row.cip.class_id);
     for (const auto id : classes) router_.add(std::make_unique<ParameterObject>(device_, id));
 }
+    manager_->tell_resources([this] { return resources(); });
 
 std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
     advance(now);
     if (faults_.is_down()) return std::nullopt;
     const bool refused = !make_room();
     if (refused && limits_.refusals == 0) return std::nullopt;
+// The buffers are those of the replies that peers have not taken yet.
+Resources Adapter::resources() const {
+    std::size_t waiting = 0;
+    for (const auto& [id, connection] : connections_) {
+        waiting += connection->replies.size();
+        for (const auto& late : connection->late) waiting += late.octets.size();
+    }
+    const auto all = limits_.tcp_connections * limits_.queued_bytes;
+    const auto octets = [](std::size_t count) {
+        return static_cast<std::uint32_t>(std::min<std::size_t>(count, std::numeric_limits<std::uint32_t>::max()));
+    };
+    return {.cpu = measure_cpu_ ? measure_cpu_() : std::uint16_t{0},
+            .buffer = octets(all),
+            .buffer_space = octets(all - std::min(all, waiting))};
+}
+
     auto connection = std::make_unique<Connection>();
     connection->id = ++last_id_;
     connection->peer = peer;

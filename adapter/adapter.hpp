@@ -102,6 +102,8 @@ public:
     [[nodiscard]] drive::Device& device() { return device_; }
     [[nodiscard]] const drive::Device& device() const { return device_; }
     /// The values behind the network objects; whoever knows the host's address writes it here.
+    /// Who tells how much of a CPU the device uses, in tenths of a percent: attribute 11 of the Connection Manager.
+    void measure_cpu(std::function<std::uint16_t()> measure) { measure_cpu_ = std::move(measure); }
     [[nodiscard]] Network& network() { return network_; }
 
 private:
@@ -123,6 +125,7 @@ private:
     [[nodiscard]] std::optional<enip::Frame> answer(Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] enip::Frame register_session(const Connection& connection, const enip::Frame& request);
     [[nodiscard]] std::optional<enip::Frame> unregister_session(Connection& connection, const enip::Frame& request);
+    [[nodiscard]] Resources resources() const;
     [[nodiscard]] boost::system::result<enip::SendData, enip::EncapsulationStatus> session_data(
         const Connection& connection, const enip::Frame& request) const;
     [[nodiscard]] cip::Origin origin_of(const Connection& connection, enip::Time now) const;
@@ -174,3 +177,8 @@ private:
 };
 
 }  // namespace servobus::adapter
+    std::uint8_t explicit_dscp_ = 0;
+    bool wants_address_ = false;  ///< since the message that is being answered
+    std::optional<enip::Time> address_due_{};
+    std::function<void()> change_address_;
+    std::function<std::uint16_t()> measure_cpu_;

@@ -14,6 +14,11 @@
 namespace servobus::adapter {
 namespace {
 
+// Attributes beside the counters (R-CM-2).
+enum Attribute : std::uint16_t { entries = 9, cpu = 11, buffer = 12, buffer_space = 13 };
+
+bool is_counter(std::uint32_t id) { return id >= 1 && id <= connection_counters; }
+
 // Where the triad stands in front of whatever is malformed, so that a refusal can name the connection (vector
 // fo_short_rep).
 constexpr std::size_t open_triad_offset = 10;
@@ -94,14 +99,14 @@ ConnectionManager::ConnectionManager(cip::MessageRouter& router, cip::NodeIdenti
                                      const Network& network, const Limits& limits, std::uint16_t incarnation, Log log)
     : router_(router),
       node_(node),
+      limits_(limits),
       log_(std::move(log)),
       ids_(incarnation, [this](std::uint32_t id) { return io_.uses(id) || explicit_.uses(id); }),
       explicit_(ids_, node_, limits),
       io_(drive, network, ids_, limits, log_) {}
 
 cip::ClassInfo ConnectionManager::info() const {
-    return {.class_id = cip::class_id::connection_manager,
-            .max_instance_attribute = static_cast<std::uint16_t>(Counter::connection_timeouts)};
+    return {.class_id = cip::class_id::connection_manager, .max_instance_attribute = buffer_space};
 }
 
 bool ConnectionManager::offers(std::uint8_t service) const {
@@ -122,13 +127,42 @@ bool ConnectionManager::offers(std::uint8_t service) const {
 }
 
 std::optional<cip::AttributeAccess> ConnectionManager::attribute(std::uint32_t, std::uint32_t id) const {
-    if (id < 1 || id > counters_.size()) return std::nullopt;
-    return cip::AttributeAccess{true, true};
+    if (is_counter(id)) return cip::AttributeAccess{true, true};
+    return id == entries || (id >= cpu && id <= buffer_space) ? std::optional(cip::AttributeAccess{}) : std::nullopt;
 }
 
 cip::Status ConnectionManager::get(std::uint32_t, std::uint32_t id, cip::Writer& value) const {
-    value.u16(counters_[id - 1]);
+    switch (id) {
+        case entries:
+            write_entries(value);
+            break;
+        case cpu:
+            value.u16(resources_().cpu);
+            break;
+        case buffer:
+            value.u32(resources_().buffer);
+            break;
+        case buffer_space:
+            value.u32(resources_().buffer_space);
+            break;
+        default:
+            value.u16(counters_[id - 1]);
+    }
     return {};
+}
+
+// A bit for each connection that can be, by its number from 1 on: 1 where none is (R-CM-2).
+void ConnectionManager::write_entries(cip::Writer& value) const {
+    constexpr std::size_t owners = 1;
+    const auto places = owners + limits_.listening_connections + limits_.class3_connections;
+    value.u16(static_cast<std::uint16_t>(places));
+    for (std::size_t first = 0; first < places; first += 8) {
+        unsigned bits = 0;
+        for (std::size_t i = 0; i < 8 && first + i < places; ++i) {
+            if (is_free(static_cast<std::uint16_t>(first + i + 1))) bits |= 1U << i;
+        }
+        value.u8(static_cast<std::uint8_t>(bits));
+    }
 }
 
 // Counters can only be cleared (R-CM-2).
@@ -236,8 +270,12 @@ OpenResult<cip::ForwardOpenReply> ConnectionManager::admit_io(const cip::Forward
 // The lowest that no connection has.
 std::uint16_t ConnectionManager::free_number() const {
     std::uint16_t number = 1;
-    while (io_.find(number) != nullptr || explicit_.find(number) != nullptr) ++number;
+    while (!is_free(number)) ++number;
     return number;
+}
+
+bool ConnectionManager::is_free(std::uint16_t number) const {
+    return io_.find(number) == nullptr && explicit_.find(number) == nullptr;
 }
 
 cip::Response ConnectionManager::forward_close(const cip::RequestView& request, const cip::Origin& origin) {

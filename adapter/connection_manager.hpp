@@ -36,6 +36,13 @@ enum class Counter : std::uint8_t {
 };
 inline constexpr std::size_t connection_counters = 8;
 
+/// What the device has and uses, for those who plan how much to ask of it: attributes 11 to 13 (R-CM-2).
+struct Resources {
+    std::uint16_t cpu = 0;           ///< tenths of a percent
+    std::uint32_t buffer = 0;        ///< octets that may wait to be sent, of all peers together
+    std::uint32_t buffer_space = 0;  ///< of these, what is free now
+};
+
 class ConnectionManager final : public cip::Object {
 public:
     /// `router` executes embedded and connected requests. All references must outlive this object. `incarnation`: see
@@ -68,6 +75,9 @@ public:
     /// Asked before each open: a status here refuses it, whatever it asks for. For tests of originators.
     void refuse_opens(std::function<std::optional<cip::Status>()> refuse) { refuse_ = std::move(refuse); }
 
+    /// Asked for attributes 11 to 13.
+    void tell_resources(std::function<Resources()> resources) { resources_ = std::move(resources); }
+
     [[nodiscard]] IoConnections& io() { return io_; }
     [[nodiscard]] const IoConnections& io() const { return io_; }
     [[nodiscard]] const ExplicitConnections& explicit_connections() const { return explicit_; }
@@ -86,16 +96,20 @@ private:
                                                                    const cip::Origin& origin);
     [[nodiscard]] OpenResult<cip::ForwardOpenReply> admit_io(const cip::ForwardOpen& open, const cip::Origin& origin);
     [[nodiscard]] std::uint16_t free_number() const;
+    [[nodiscard]] bool is_free(std::uint16_t number) const;
+    void write_entries(cip::Writer& value) const;
     void count(Counter counter);
     void count_reject(const cip::Status& status);
 
     cip::MessageRouter& router_;
     cip::NodeIdentity node_;
+    const Limits& limits_;
     Log log_;
     ConnectionIds ids_;
     ExplicitConnections explicit_;
     IoConnections io_;
     std::function<std::optional<cip::Status>()> refuse_;
+    std::function<Resources()> resources_ = [] { return Resources{}; };
     std::array<std::uint16_t, connection_counters> counters_{};
 };
 

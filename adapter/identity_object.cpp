@@ -11,6 +11,7 @@ namespace {
 constexpr std::array<std::uint16_t, 8> attributes{1, 2, 3, 4, 5, 6, 7, 8};
 // Get_Attributes_All ends with the product name: the manual knows no attribute 8 (R-ID-6).
 constexpr std::size_t attributes_in_all = 7;
+constexpr std::array<std::uint16_t, 4> class_attributes_in_all{1, 2, 6, 7};  // R-OBJ-3
 
 }  // namespace
 
@@ -18,7 +19,9 @@ IdentityObject::IdentityObject(drive::Identity identity, Reset reset, std::funct
     : identity_(std::move(identity)), reset_(std::move(reset)), io_status_(std::move(io_status)) {}
 
 cip::ClassInfo IdentityObject::info() const {
-    return {.class_id = cip::class_id::identity, .max_instance_attribute = 8, .class_attributes_all = true};
+    return {.class_id = cip::class_id::identity,
+            .max_instance_attribute = 8,
+            .class_attributes_all = class_attributes_in_all};
 }
 
 bool IdentityObject::offers(std::uint8_t service) const {

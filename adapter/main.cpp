@@ -26,6 +26,8 @@
 #include "adapter/scenario.hpp"
 #include "adapter/version.hpp"
 #include "drive/xenax.hpp"
+#include "enip/asio/cpu_load.hpp"
+#include "enip/asio/interface_reader.hpp"
 #include "enip/asio/scheduling.hpp"
 #include "enip/asio/target_server.hpp"
 
@@ -39,6 +41,7 @@ using servobus::adapter::FileError;
 using servobus::adapter::Fleet;
 using servobus::adapter::LogLevel;
 using servobus::adapter::Timetable;
+using servobus::enip::asio::CpuLoad;
 using servobus::enip::asio::Listening;
 using servobus::enip::asio::TargetServer;
 namespace drive = servobus::drive;
@@ -304,6 +307,7 @@ std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& conf
         network.interface.mask = listening->subnet_mask;
         network.io_port = listening->io_port;
         adapter.set_epoch(epoch_of_steady_clock());
+        adapter.measure_cpu([load = std::make_shared<CpuLoad>()] { return load->read(); });
         places.push_back(*listening);
     }
     return std::nullopt;

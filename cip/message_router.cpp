@@ -35,25 +35,28 @@ std::optional<std::uint16_t> class_attribute(const ClassInfo& info, std::uint32_
     return std::nullopt;
 }
 
-// Services at instance 0: reading class attributes, and nothing else. The Message Router is no `object`.
+// The Message Router is no `object`.
+bool get_class(const ClassInfo& info, const Object* object, std::uint32_t id, Writer& writer) {
+    const auto value = class_attribute(info, id);
+    if (value) writer.u16(*value);
+    return value || (object != nullptr && object->get_class_attribute(id, writer));
+}
+
+// Services at instance 0: reading class attributes, and nothing else.
 Response call_class(const RequestView& request, const RequestPath& path, const ClassInfo& info, const Object* object) {
     Response response{static_cast<std::uint8_t>(request.service & 0x7F)};
     Writer writer(response.data);
-    if (request.service == service::get_attributes_all && info.class_attributes_all) {
-        for (const auto id : {1U, 2U, 6U, 7U}) writer.u16(*class_attribute(info, id));
+    if (request.service == service::get_attributes_all && !info.class_attributes_all.empty()) {
+        for (const auto id : info.class_attributes_all) static_cast<void>(get_class(info, object, id, writer));
         return response;
     }
     if (request.service != service::get_attribute_single) {
         response.status = GeneralStatus::service_not_supported;
         return response;
     }
-    const auto value = path.attribute ? class_attribute(info, *path.attribute) : std::nullopt;
-    if (value) {
-        writer.u16(*value);
-        return response;
+    if (!path.attribute || !get_class(info, object, *path.attribute, writer)) {
+        response.status = GeneralStatus::attribute_not_supported;
     }
-    const bool more = path.attribute && object != nullptr && object->get_class_attribute(*path.attribute, writer);
-    if (!more) response.status = GeneralStatus::attribute_not_supported;
     return response;
 }
 

@@ -59,7 +59,8 @@ struct ClassInfo {
     std::uint16_t instances = 1;
     std::uint16_t max_class_attribute = 7;
     std::uint16_t max_instance_attribute = 0;
-    bool class_attributes_all = false;  ///< Get_Attributes_All at instance 0 (R-OBJ-3)
+    /// What Get_Attributes_All concatenates at instance 0 (R-OBJ-3); none: the class does not offer it.
+    std::span<const std::uint16_t> class_attributes_all{};
 };
 
 /// A CIP class with its instances. The router checks path, instance, service, attribute and access in the order of

@@ -630,7 +630,7 @@ TEST(ConnectionManager, R_CM_2_CountersAreClearedAndNotSet) {
     EXPECT_EQ(counter(peer, 1), count(0));
     for (unsigned attribute = 1; attribute <= 8; ++attribute) EXPECT_EQ(counter(peer, attribute), count(0));
     EXPECT_EQ(counter(peer, 0), hex("8E 00 14 00"));
-    EXPECT_EQ(counter(peer, 9), hex("8E 00 14 00"));
+    EXPECT_EQ(counter(peer, 10), hex("8E 00 14 00"));
 }
 
 }  // namespace

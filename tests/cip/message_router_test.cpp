@@ -25,6 +25,7 @@ constexpr std::uint8_t own_service = 0x4B;
 /// its get() fails; 5 STRING of 600 characters; 6 SINT get and set. Offers 0x01, 0x03, 0x04, 0x0E, 0x10 and 0x4B.
 class Values : public Object {
 public:
+    static constexpr std::array<std::uint16_t, 4> class_attributes{1, 2, 6, 7};
     std::uint32_t third = 20;
     std::uint8_t sixth = 0;
     std::vector<std::string> calls;
@@ -35,7 +36,7 @@ public:
                 .max_instance = 0x12345,
                 .instances = 2,
                 .max_instance_attribute = 6,
-                .class_attributes_all = true};
+                .class_attributes_all = class_attributes};
     }
     bool has_instance(std::uint32_t instance) const override { return instance == 1 || instance == 0x12345; }
     bool offers(std::uint8_t code) const override {
