@@ -26,8 +26,8 @@ using enip::Command;
 using enip::EncapsulationStatus;
 using enip::Frame;
 
-// The reply to a Reset is on its way before the connections go (R-ID-8).
-constexpr std::chrono::milliseconds reset_pause{100};
+// The reply to a Reset, or to a Set of the address, is on its way before the connections go (R-ID-8, R-TCP-6).
+constexpr std::chrono::milliseconds reply_pause{100};
 
 // Octets of one TCP connection that come while nothing is answered; one that sends more is closed.
 constexpr std::size_t held_octets = std::size_t{16} * 1024;
@@ -117,12 +117,13 @@ Adapter::~Adapter() = default;
 
 // Also after a restart: what objects remember (counters, written assemblies, a file on its way) does not outlive it.
 void Adapter::build_objects() {
+    explicit_dscp_ = network_.settings.qos.dscp.back();  // R-QOS-4
     auto identity = std::make_unique<IdentityObject>(
         device_.identity(),
         [this](ResetType type, enip::Time now) {
             const auto* owner = io().owner();
             if (owner != nullptr && owner->consumer.run()) return cip::GeneralStatus::device_state_conflict;  // R-ID-8
-            if (!reset_) reset_ = Reset{type, now + reset_pause};  // asking again does not put it off
+            if (!reset_) reset_ = Reset{type, now + reply_pause};  // asking again does not put it off
             return cip::GeneralStatus::success;
         },
         [this] { return io().identity_status(); });
@@ -133,30 +134,29 @@ void Adapter::build_objects() {
     drive_io_ = std::make_unique<DriveIo>(device_, *assembly, log_);
     drive_io_->set_epoch(epoch_);
     router_.add(std::move(assembly));
-    router_.add(std::make_unique<TcpIpObject>(network_));
+    router_.add(std::make_unique<TcpIpObject>(network_, TcpIpSurroundings{
+                                                            .io_is_open = [this] { return io().size() > 0; },
+                                                            .groups_in_use = [this] { return io().groups_in_use(); },
+                                                            .address_changed = [this] { wants_address_ = true; },
+                                                        }));
     router_.add(std::make_unique<EthernetLinkObject>(network_));
     router_.add(std::make_unique<QosObject>(network_.settings.qos));
     router_.add(std::make_unique<DlrObject>(network_.state.ring));
     auto file_object = std::make_unique<FileObject>(files_);
     file_object_ = file_object.get();
     router_.add(std::move(file_object));
+    router_.add(std::make_unique<PortObject>(network_.state));
     auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), *drive_io_, network_,
                                                        limits_, static_cast<std::uint16_t>(random_()), log_);
     manager_ = manager.get();
     manager_->refuse_opens([this] { return faults_.refuse_open(); });
+    manager_->tell_resources([this] { return resources(); });
     router_.add(std::move(manager));
-    router_.add(std::make_unique<PortObject>(network_.state));
     std::set<std::uint16_t> classes;
     for (const auto& row : device_.store().table()) classes.insert(row.cip.class_id);
     for (const auto id : classes) router_.add(std::make_unique<ParameterObject>(device_, id));
 }
-    manager_->tell_resources([this] { return resources(); });
 
-std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
-    advance(now);
-    if (faults_.is_down()) return std::nullopt;
-    const bool refused = !make_room();
-    if (refused && limits_.refusals == 0) return std::nullopt;
 // The buffers are those of the replies that peers have not taken yet.
 Resources Adapter::resources() const {
     std::size_t waiting = 0;
@@ -173,6 +173,11 @@ Resources Adapter::resources() const {
             .buffer_space = octets(all - std::min(all, waiting))};
 }
 
+std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
+    advance(now);
+    if (faults_.is_down()) return std::nullopt;
+    const bool refused = !make_room();
+    if (refused && limits_.refusals == 0) return std::nullopt;
     auto connection = std::make_unique<Connection>();
     connection->id = ++last_id_;
     connection->peer = peer;
@@ -308,6 +313,7 @@ void Adapter::on_message(Connection& connection, const enip::FrameDecoder::Resul
         return;
     }
     if (const auto reply = answer(connection, request, now)) send_reply(connection, *reply, now);
+    if (std::exchange(wants_address_, false)) address_due_ = now + reply_pause;
 }
 
 // At once, later or never; what is late keeps its order.
@@ -548,6 +554,7 @@ std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) con
 
 void Adapter::on_timer(enip::Time now) {
     advance(now);
+    change_address(now);
     reset(now);
     take_late_io(now);
     produce(now);
@@ -578,6 +585,7 @@ std::optional<enip::Time> Adapter::next_deadline() const {
     take_earlier(next, to_server(device_.next_deadline()));
     take_earlier(next, to_server(playback_.next()));
     if (reset_) take_earlier(next, std::optional(reset_->due));
+    take_earlier(next, address_due_);
     for (const auto& reply : delayed_) take_earlier(next, std::optional(reply.due));
     for (const auto& [id, connection] : connections_) {
         take_earlier(next, deadline_of(*connection));
@@ -601,11 +609,34 @@ void Adapter::reset(enip::Time now) {
         network_.settings = defaults;
     }
     build_objects();
+    apply_address();
     if (restart_) {
         restart_(type);
     } else {
         device_.reset();
     }
+}
+
+// Reply first, then apply (R-TCP-6).
+void Adapter::change_address(enip::Time now) {
+    if (!address_due_ || *address_due_ > now) return;
+    log_(LogLevel::info, "the address settings have changed: all connections are closed");
+    give_address_up();
+    apply_address();
+}
+
+void Adapter::apply_address() {
+    address_due_.reset();
+    if (change_address_) {
+        change_address_();
+    } else {
+        apply_address_settings(network_);
+    }
+}
+
+void Adapter::give_address_up() {
+    manager_->io().abandon();
+    shut_down();
 }
 
 // Each event meets the drive as it is at the event's own time, however late the timer comes.
@@ -667,6 +698,7 @@ void Adapter::restart_by_power() {
     reset_.reset();  // what a Reset asked for has happened
     shut_down();
     build_objects();
+    apply_address();
 }
 
 void Adapter::set_epoch(std::chrono::microseconds epoch) {

@@ -59,6 +59,7 @@ public:
     void on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
                      enip::Time now) override;
     [[nodiscard]] std::vector<enip::Datagram> take_datagrams() override;
+    [[nodiscard]] std::uint8_t explicit_dscp() const override { return explicit_dscp_; }
     void on_io(enip::Endpoint peer, enip::Endpoint local, cip::ByteView octets, enip::Time now) override;
     [[nodiscard]] enip::IoQueue& io_queue() override { return io_queue_; }
     void on_timer(enip::Time now) override;
@@ -69,6 +70,12 @@ public:
     /// What an Identity Reset does to the device: called when all connections are closed, a moment after the reply.
     /// Without it, the device goes back to its printed defaults.
     void on_restart(std::function<void(ResetType)> restart) { restart_ = std::move(restart); }
+
+    /// What a Set of address or method does to the device's address (R-TCP-6): called when all connections are closed, a
+    /// moment after the reply, and at each restart. Without it the settings are applied by apply_address_settings().
+    void on_address_change(std::function<void()> change) { change_address_ = std::move(change); }
+    /// All connections end, class 1 too, because the device gives its address up.
+    void give_address_up();
 
     /// What happens to the drive while it runs. The timetable's clock starts at the first `now` that the adapter is
     /// given, which is when the server starts to serve.
@@ -95,6 +102,8 @@ public:
     [[nodiscard]] const ConnectionManager& connection_manager() const { return *manager_; }
     /// What is to be added to `now` for the time of day: microseconds since 1970. Time stamps count from there.
     void set_epoch(std::chrono::microseconds epoch);
+    /// Who tells how much of a CPU the device uses, in tenths of a percent: attribute 11 of the Connection Manager.
+    void measure_cpu(std::function<std::uint16_t()> measure) { measure_cpu_ = std::move(measure); }
     /// What is wrong with the network on purpose.
     [[nodiscard]] const NetworkFaults& faults() const { return faults_; }
     /// Faults that leave something to chance repeat with this number. Before any of them.
@@ -102,8 +111,6 @@ public:
     [[nodiscard]] drive::Device& device() { return device_; }
     [[nodiscard]] const drive::Device& device() const { return device_; }
     /// The values behind the network objects; whoever knows the host's address writes it here.
-    /// Who tells how much of a CPU the device uses, in tenths of a percent: attribute 11 of the Connection Manager.
-    void measure_cpu(std::function<std::uint16_t()> measure) { measure_cpu_ = std::move(measure); }
     [[nodiscard]] Network& network() { return network_; }
 
 private:
@@ -118,6 +125,7 @@ private:
     };
 
     void build_objects();
+    [[nodiscard]] Resources resources() const;
     [[nodiscard]] bool make_room();
     [[nodiscard]] Connection* longest_silent(const std::function<bool(const Connection&)>& condition) const;
     void expire(Connection& connection);
@@ -125,7 +133,6 @@ private:
     [[nodiscard]] std::optional<enip::Frame> answer(Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] enip::Frame register_session(const Connection& connection, const enip::Frame& request);
     [[nodiscard]] std::optional<enip::Frame> unregister_session(Connection& connection, const enip::Frame& request);
-    [[nodiscard]] Resources resources() const;
     [[nodiscard]] boost::system::result<enip::SendData, enip::EncapsulationStatus> session_data(
         const Connection& connection, const enip::Frame& request) const;
     [[nodiscard]] cip::Origin origin_of(const Connection& connection, enip::Time now) const;
@@ -135,6 +142,8 @@ private:
     [[nodiscard]] enip::Frame list(const enip::Frame& request, enip::Endpoint local) const;
     [[nodiscard]] bool delay(enip::Datagram datagram, const enip::Frame& request, enip::Time now);
     void reset(enip::Time now);
+    void apply_address();
+    void change_address(enip::Time now);
     bool apply(const Happening& event, enip::Time now);
     bool begin(const NetworkFault& fault, enip::Time now);
     void restart_by_power();
@@ -172,13 +181,13 @@ private:
     enip::IoQueue produced_;     ///< on its way through faults
     bool holds_octets_ = false;  ///< of some connection
     std::optional<Reset> reset_{};
-    std::function<void(ResetType)> restart_;
-    Playback playback_;
-};
-
-}  // namespace servobus::adapter
     std::uint8_t explicit_dscp_ = 0;
     bool wants_address_ = false;  ///< since the message that is being answered
     std::optional<enip::Time> address_due_{};
     std::function<void()> change_address_;
     std::function<std::uint16_t()> measure_cpu_;
+    std::function<void(ResetType)> restart_;
+    Playback playback_;
+};
+
+}  // namespace servobus::adapter

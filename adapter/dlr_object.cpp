@@ -76,7 +76,7 @@ cip::Status DlrObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value) 
             value.bytes(ring_.supervisor_mac);
             break;
         case active_supervisor_precedence:
-            value.u8(0);
+            value.u8(ring_.supervisor_precedence);
             break;
         case capability:
             value.u32(beacon_node_that_flushes);

@@ -28,17 +28,61 @@ enum Attribute : std::uint16_t {
 
 constexpr std::array<std::uint16_t, 10> all{1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
 
-constexpr std::uint32_t megabits = 100;
-constexpr std::uint32_t link_up_full_duplex_negotiated = 0x0F;  // R-ETH-2
-constexpr std::size_t interface_counter_octets = std::size_t{11} * 4;
-constexpr std::size_t media_counter_octets = std::size_t{12} * 4;
+constexpr std::uint32_t module_speed = 100;
+// Flags (R-ETH-2).
+constexpr std::uint32_t link_is_up = 1;
+constexpr std::uint32_t is_full_duplex = 1U << 1;
+constexpr unsigned negotiation_shift = 2;
 constexpr std::uint8_t twisted_pair = 2;
 constexpr std::uint8_t enabled = 1;
 
 constexpr std::uint16_t autonegotiate = 1;
 constexpr std::uint16_t full_duplex = 2;
 
+using LinkControl = NetworkSettings::LinkControl;
+
+// The module on somebody's desk: its link partner takes whatever it is told to do.
+void take_control(const LinkControl& control, enip::InterfaceFacts& facts) {
+    const bool negotiates = (control.bits & autonegotiate) != 0;
+    facts.link = true;
+    facts.speed = negotiates ? module_speed : control.forced_speed;
+    facts.full_duplex = negotiates || (control.bits & full_duplex) != 0;
+    facts.negotiation = negotiates ? enip::Negotiation::done : enip::Negotiation::not_attempted;
+}
+
+std::uint32_t flags_of(const enip::InterfaceFacts& facts) {
+    if (!facts.link) return 0;
+    return link_is_up | (facts.full_duplex ? is_full_duplex : 0) |
+           static_cast<std::uint32_t>(facts.negotiation) << negotiation_shift;
+}
+
+void write(cip::Writer& value, const enip::InterfaceCounters& counters) {
+    for (const auto count :
+         {counters.in_octets, counters.in_unicast, counters.in_non_unicast, counters.in_discards, counters.in_errors,
+          counters.in_unknown_protocols, counters.out_octets, counters.out_unicast, counters.out_non_unicast,
+          counters.out_discards, counters.out_errors}) {
+        value.u32(count);
+    }
+}
+
+void write(cip::Writer& value, const enip::MediaCounters& counters) {
+    for (const auto count : {counters.alignment_errors, counters.fcs_errors, counters.single_collisions,
+                             counters.multiple_collisions, counters.sqe_test_errors, counters.deferred_transmissions,
+                             counters.late_collisions, counters.excessive_collisions, counters.mac_transmit_errors,
+                             counters.carrier_sense_errors, counters.frames_too_long, counters.mac_receive_errors}) {
+        value.u32(count);
+    }
+}
+
 }  // namespace
+
+// Port 1 is the interface that the drive is at. What is plugged into port 2 is nothing, unless somebody reads it.
+enip::InterfaceFacts EthernetLinkObject::facts_of(std::uint32_t instance) const {
+    const auto& read = state_.ports[instance - 1];
+    auto facts = read ? read() : enip::InterfaceFacts{};
+    if (instance == 1 && !facts.ethernet) take_control(settings_.links[0], facts);
+    return facts;
+}
 
 cip::ClassInfo EthernetLinkObject::info() const {
     const auto ports = static_cast<std::uint16_t>(settings_.links.size());
@@ -70,19 +114,19 @@ cip::Status EthernetLinkObject::get(std::uint32_t instance, std::uint32_t id, ci
     const auto& link = settings_.links[instance - 1];
     switch (id) {
         case speed:
-            value.u32(megabits);
+            value.u32(facts_of(instance).speed);
             break;
         case flags:
-            value.u32(link_up_full_duplex_negotiated);
+            value.u32(flags_of(facts_of(instance)));
             break;
         case physical_address:
             value.bytes(state_.mac);
             break;
         case interface_counters:
-            value.zeros(interface_counter_octets);
+            write(value, facts_of(instance).counters);
             break;
         case media_counters:
-            value.zeros(media_counter_octets);
+            write(value, facts_of(instance).media);
             break;
         case interface_control:
             value.u16(link.bits);
@@ -107,7 +151,7 @@ cip::Status EthernetLinkObject::get(std::uint32_t instance, std::uint32_t id, ci
 // R-ETH-6.
 cip::Status EthernetLinkObject::set(std::uint32_t instance, std::uint32_t, cip::ByteView value) {
     cip::Reader reader(value);
-    NetworkSettings::LinkControl wanted;
+    LinkControl wanted;
     reader.field(wanted.bits);
     reader.field(wanted.forced_speed);
     if (const auto wrong = length_status(reader); wrong != cip::GeneralStatus::success) return wrong;

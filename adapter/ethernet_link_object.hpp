@@ -1,4 +1,4 @@
-// The Ethernet Link object (0xF6, R-ETH): two ports, both up.
+// The Ethernet Link object (0xF6, R-ETH): the two ports of the module.
 #pragma once
 
 #include "adapter/network_state.hpp"
@@ -8,7 +8,7 @@ namespace servobus::adapter {
 
 class EthernetLinkObject final : public cip::Object {
 public:
-    /// The settings must outlive the object.
+    /// The network must outlive the object.
     explicit EthernetLinkObject(Network& network) : settings_(network.settings), state_(network.state) {}
 
     [[nodiscard]] cip::ClassInfo info() const override;
@@ -21,6 +21,8 @@ public:
     [[nodiscard]] std::span<const std::uint16_t> attributes_all() const override;
 
 private:
+    [[nodiscard]] enip::InterfaceFacts facts_of(std::uint32_t instance) const;
+
     NetworkSettings& settings_;
     const NetworkState& state_;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "adapter/multicast_groups.hpp"
 #include "enip/common_packet.hpp"
 
 namespace servobus::adapter {
@@ -23,11 +24,6 @@ constexpr std::uint16_t no_connection = 3;
 constexpr std::uint16_t a_connection_runs = 6;
 constexpr std::uint16_t all_connections_idle = 7;
 
-constexpr std::uint32_t group_base = 0xEFC00100;  ///< 239.192.1.0 (R-MC-1)
-constexpr std::uint32_t group_hosts = 0x3FF;
-constexpr std::uint32_t groups_of_a_host = 32;
-constexpr std::uint8_t multicast_ttl = 1;  ///< attribute 8 of 0xF5, which the manual does not have (R-IO-11)
-
 bool is_multicast(const cip::ForwardOpen& request) { return request.t_to_o.type == ConnectionType::multicast; }
 
 // Attribute 4 to 7 of QoS, by the priority of the direction that we send (R-QOS-5).
@@ -45,10 +41,15 @@ std::uint8_t dscp_of(const QualityOfService& qos, cip::Priority priority) {
     return 0;
 }
 
-// Without a mask the one of the address's class counts (R-MC-1).
-std::uint32_t class_mask(std::uint32_t address) {
-    if (address >> 31 == 0) return 0xFF000000;
-    return address >> 30 == 2 ? 0xFFFF0000 : 0xFFFFFF00;
+// The place of a point among those that are produced: that of its group (R-MC-1).
+std::size_t place_of(const assemblies::Layout& layout) {
+    std::size_t place = 0;
+    for (const auto& each : assemblies::layouts()) {
+        if (each.direction != assemblies::Direction::t_to_o) continue;
+        if (each.instance == layout.instance) break;
+        ++place;
+    }
+    return place;
 }
 
 bool is_socket_item(const cip::SideItem& item) {
@@ -157,12 +158,12 @@ OpenResult<void> IoConnections::check_listener(const cip::ForwardOpen& request, 
 
 // R-MC-4.
 OpenResult<void> IoConnections::check_subnet(const cip::ForwardOpen& request, const cip::Origin& origin) const {
-    const auto mask = network_.state.interface.mask;
-    if (!is_multicast(request) || mask == 0 || ((origin.address ^ network_.state.interface.address) & mask) == 0)
-        return {};
+    const auto& own = network_.state.place();
+    const bool near = own.mask == 0 || ((origin.address ^ own.address) & own.mask) == 0;
+    if (!is_multicast(request) || near || network_.settings.ttl > 1) return {};
     return OpenRefusal{ConnectionFailure::not_configured_for_off_subnet_multicast,
-                       fmt::format("{} is in another subnet, where multicast with TTL {} does not arrive",
-                                   enip::address_text(origin.address), multicast_ttl)};
+                       fmt::format("{} is in another subnet, where multicast with TTL 1 does not arrive",
+                                   enip::address_text(origin.address))};
 }
 
 // R-CON-33: who joins takes what is there.
@@ -234,7 +235,7 @@ Production& IoConnections::produce(const cip::ForwardOpen& request, const IoOpen
                                         .route = {.local = {origin.local_address, network_.state.io_port},
                                                   .peer = peer,
                                                   .dscp = dscp_of(qos_, request.t_to_o.priority),
-                                                  .ttl = multicast ? multicast_ttl : std::uint8_t{0}}};
+                                                  .ttl = multicast ? network_.settings.ttl : std::uint8_t{0}}};
     auto production = std::make_unique<Production>();
     production->layout = &layout;
     production->multicast = multicast;
@@ -261,18 +262,17 @@ void IoConnections::reply_with_sockets(const IoConnection& connection, const Soc
     }
 }
 
-// R-MC-1: each point has the group of its place in the list of layouts.
 enip::Endpoint IoConnections::group_of(const assemblies::Layout& layout, std::uint32_t local) const {
-    const auto address = network_.state.interface.address != 0 ? network_.state.interface.address : local;
-    const auto mask = network_.state.interface.mask != 0 ? network_.state.interface.mask : class_mask(address);
-    const auto host = address & ~mask;
-    std::uint32_t group = group_base + ((host - 1) & group_hosts) * groups_of_a_host;
-    for (const auto& each : assemblies::layouts()) {
-        if (each.direction != assemblies::Direction::t_to_o) continue;
-        if (each.instance == layout.instance) break;
-        ++group;
+    const auto own = network_.state.place().address;
+    return {multicast_groups(network_, own != 0 ? own : local).of(place_of(layout)), enip::io_port};
+}
+
+std::size_t IoConnections::groups_in_use() const {
+    std::size_t groups = 0;
+    for (const auto& each : productions_) {
+        if (each->multicast) groups = std::max(groups, place_of(*each->layout) + 1);
     }
-    return {group, enip::io_port};
+    return groups;
 }
 
 bool IoConnections::uses(std::uint32_t id) const {
@@ -290,6 +290,17 @@ void IoConnections::close(const IoConnection& connection) {
     remove(connection);
     if (owned) drive_.lose_controller();
     remove_orphans();
+}
+
+void IoConnections::abandon() {
+    for (const auto& connection : connections_) {
+        log_(LogLevel::warning, fmt::format("{} ends: the device gives its address up", describe(*connection)));
+    }
+    const bool owned = owner_ != nullptr;
+    owner_ = nullptr;
+    connections_.clear();
+    productions_.clear();
+    if (owned) drive_.lose_controller();
 }
 
 // The production goes with the last connection that it is for: nothing leaves after this (R-CON-37).

@@ -68,6 +68,8 @@ public:
                                                        const cip::Origin& origin, std::uint16_t number);
     /// By Forward_Close. An owner's drive stops, and listeners go with the last that they listened to (R-CON-32).
     void close(const IoConnection& connection);
+    /// All of them end, because the device gives up the address that they come to. Nobody is told.
+    void abandon();
 
     void on_datagram(enip::Endpoint peer, cip::ByteView octets, enip::Time now);
     /// Produces what is due into `queue`, and ends the connections whose time is over; `timed_out` counts them.
@@ -82,6 +84,8 @@ public:
     [[nodiscard]] bool uses(std::uint32_t id) const;
     [[nodiscard]] std::size_t size() const { return connections_.size(); }
     [[nodiscard]] const IoConnection* owner() const { return owner_; }
+    /// Multicast groups that are produced to, counted from the first that the device has (R-MC-1).
+    [[nodiscard]] std::size_t groups_in_use() const;
     [[nodiscard]] const StrayCounters& strays() const { return strays_; }
 
     /// Bit 0 and bits 4..7 of the Identity status word (R-ID-3, R-ID-4).

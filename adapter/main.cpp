@@ -294,6 +294,15 @@ std::optional<int> serve_lines(TargetServer& server, const std::vector<std::stri
     return std::nullopt;
 }
 
+// What the drive tells of its Ethernet port is what the interface is at which it listens.
+void read_port(const std::string& interface, servobus::adapter::NetworkState& network) {
+    if (interface.empty()) return;
+    auto reader = std::make_shared<servobus::enip::asio::InterfaceReader>(interface);
+    const auto& facts = reader->read();
+    if (facts.ethernet) network.mac = facts.mac;
+    network.ports[0] = [reader = std::move(reader)] { return reader->read(); };
+}
+
 // Nullopt, or the exit code.
 std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& config,
                           const std::vector<std::string>& addresses, std::vector<Listening>& places) {
@@ -302,10 +311,12 @@ std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& conf
         const auto listening =
             server.listen(adapter, {.address = addresses[i], .port = config.port, .io_port = config.io_port});
         if (!listening) return fail(cannot_listen, listening.error().reason);
-        auto& network = adapter.network().state;
-        network.interface.address = listening->local.address;
-        network.interface.mask = listening->subnet_mask;
-        network.io_port = listening->io_port;
+        auto& network = adapter.network();
+        network.state.host = servobus::adapter::InterfaceConfiguration{.address = listening->local.address,
+                                                                       .mask = listening->subnet_mask};
+        network.state.io_port = listening->io_port;
+        read_port(listening->interface, network.state);
+        servobus::adapter::apply_address_settings(network);
         adapter.set_epoch(epoch_of_steady_clock());
         adapter.measure_cpu([load = std::make_shared<CpuLoad>()] { return load->read(); });
         places.push_back(*listening);

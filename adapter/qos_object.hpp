@@ -1,4 +1,4 @@
-// The QoS object (0x48, R-QOS). The values are stored; packets are marked once I/O connections are served.
+// The QoS object (0x48, R-QOS). What is set marks packets from the next restart on.
 #pragma once
 
 #include "adapter/network_settings.hpp"

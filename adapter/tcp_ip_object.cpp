@@ -4,11 +4,13 @@
 #include <array>
 #include <cctype>
 
+#include "adapter/multicast_groups.hpp"
 #include "adapter/usable_address.hpp"
 #include "adapter/wire_checks.hpp"
 #include "cip/path.hpp"
 #include "cip/services.hpp"
 #include "cip/strings.hpp"
+#include "enip/endpoint.hpp"
 
 namespace servobus::adapter {
 namespace {
@@ -34,11 +36,20 @@ enum Attribute : std::uint16_t {
 
 constexpr std::array<std::uint16_t, 13> all{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13};
 
-// Not in the manual: they stand in Get_Attributes_All, as its order demands, and answer 0x14 alone (R-TCP-1).
-constexpr std::array<std::uint16_t, 4> only_in_all{safety_network_number, ttl, multicast, quick_connect};
+// They stand in Get_Attributes_All, as its order demands, and answer 0x14 alone (R-TCP-1): nothing is behind them.
+constexpr std::array<std::uint16_t, 2> only_in_all{safety_network_number, quick_connect};
+constexpr std::array<std::uint16_t, 8> settable{control,    interface_configuration, host_name, ttl, multicast,
+                                                select_acd, last_conflict,           inactivity};
 
-constexpr std::uint32_t configured = 1;            // R-TCP-2
-constexpr std::uint32_t dhcp_settable_acd = 0x94;  // R-TCP-3
+// Status (R-TCP-2).
+constexpr std::uint32_t configured = 1;
+constexpr std::uint32_t change_pending = 1U << 5;
+constexpr std::uint32_t conflict_now = 1U << 6;
+constexpr std::uint32_t no_address_left = 1U << 7;
+// Capability (R-TCP-3).
+constexpr std::uint32_t bootp_too = 1;
+constexpr std::uint32_t dhcp_settable_acd = 0x94;
+
 constexpr std::size_t max_domain = 48;
 constexpr std::size_t max_host_name = 64;
 constexpr std::uint16_t max_inactivity = 3600;
@@ -52,7 +63,7 @@ void write_padded(cip::Writer& writer, const std::string& text) {
 
 std::string read_padded(cip::Reader& reader) {
     auto text = cip::read_string(reader);
-    if (text.size() % 2 != 0 && reader.remaining() > 0) reader.take(1);
+    if (text.size() % 2 != 0) reader.take(1);
     return text;
 }
 
@@ -70,21 +81,7 @@ void write_interface(cip::Writer& value, const InterfaceConfiguration& config) {
     write_padded(value, config.domain);
 }
 
-// Allocation control 0 (by the algorithm), one group, its address (R-MC-2).
-void write_multicast(cip::Writer& value, const InterfaceConfiguration& config) {
-    value.u8(0);
-    value.u8(0);
-    value.u16(1);
-    value.u32(multicast_start(config.address, config.mask));
-}
-
 }  // namespace
-
-std::uint32_t multicast_start(std::uint32_t address, std::uint32_t mask) {
-    constexpr std::uint32_t base = 0xEFC00100;  // 239.192.1.0
-    const auto host = address & ~mask;
-    return base + ((host - 1) & 0x3FF) * 32;
-}
 
 cip::ClassInfo TcpIpObject::info() const {
     return {.class_id = class_id, .revision = 4, .max_instance_attribute = inactivity};
@@ -97,9 +94,7 @@ bool TcpIpObject::offers(std::uint8_t service) const {
 
 std::optional<cip::AttributeAccess> TcpIpObject::attribute(std::uint32_t, std::uint32_t id) const {
     if (id < all.front() || id > all.back() || std::ranges::count(only_in_all, id) > 0) return std::nullopt;
-    const bool settable = id == control || id == interface_configuration || id == host_name || id == select_acd ||
-                          id == last_conflict || id == inactivity;
-    return cip::AttributeAccess{true, settable};
+    return cip::AttributeAccess{true, std::ranges::count(settable, id) > 0};
 }
 
 std::span<const std::uint16_t> TcpIpObject::attributes_all() const { return all; }
@@ -107,10 +102,10 @@ std::span<const std::uint16_t> TcpIpObject::attributes_all() const { return all;
 cip::Status TcpIpObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value) const {
     switch (id) {
         case status:
-            value.u32(configured);
+            value.u32(status_word());
             break;
         case capability:
-            value.u32(dhcp_settable_acd);
+            value.u32(capability_word());
             break;
         case control:
             value.u32(static_cast<std::uint32_t>(settings_.method));
@@ -122,7 +117,7 @@ cip::Status TcpIpObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value
             break;
         }
         case interface_configuration:
-            write_interface(value, state_.interface);
+            write_interface(value, told_interface());
             break;
         case host_name:
             write_padded(value, settings_.host_name);
@@ -131,10 +126,10 @@ cip::Status TcpIpObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value
             value.zeros(safety_octets);
             break;
         case ttl:
-            value.u8(1);
+            value.u8(settings_.ttl);
             break;
         case multicast:
-            write_multicast(value, state_.interface);
+            write_multicast(value);
             break;
         case select_acd:
             value.u8(settings_.select_acd ? 1 : 0);
@@ -154,6 +149,32 @@ cip::Status TcpIpObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value
     return {};
 }
 
+std::uint32_t TcpIpObject::status_word() const {
+    const auto& address = network_.state.address;
+    return (address.configured ? configured : 0) | (address.pending ? change_pending : 0) |
+           (address.conflict ? conflict_now : 0) | (address.without_address ? no_address_left : 0);
+}
+
+std::uint32_t TcpIpObject::capability_word() const { return dhcp_settable_acd | (has_bootp() ? bootp_too : 0); }
+
+bool TcpIpObject::has_bootp() const { return network_.state.address_service == AddressService::dhcp_and_bootp; }
+
+// Whoever has set an address reads it back at once, also while it is not in force yet.
+const InterfaceConfiguration& TcpIpObject::told_interface() const {
+    const bool waits = network_.state.address.pending && settings_.method == AddressMethod::stored;
+    return waits ? settings_.configured : network_.state.interface;
+}
+
+// By the algorithm there are as many groups as are in use: they are taken from the first on (R-MC-2).
+void TcpIpObject::write_multicast(cip::Writer& value) const {
+    const auto groups = multicast_groups(network_, network_.state.place().address);
+    const bool chosen = settings_.multicast.chosen;
+    value.u8(chosen ? 1 : 0);
+    value.u8(0);
+    value.u16(static_cast<std::uint16_t>(chosen ? groups.count : std::max<std::size_t>(device_.groups_in_use(), 1)));
+    value.u32(groups.first);
+}
+
 cip::Status TcpIpObject::set(std::uint32_t, std::uint32_t id, cip::ByteView value) {
     switch (id) {
         case control:
@@ -162,6 +183,10 @@ cip::Status TcpIpObject::set(std::uint32_t, std::uint32_t id, cip::ByteView valu
             return set_interface(value);
         case host_name:
             return set_host_name(value);
+        case ttl:
+            return set_ttl(value);
+        case multicast:
+            return set_multicast(value);
         case select_acd:
             return set_select_acd(value);
         case last_conflict:
@@ -173,19 +198,30 @@ cip::Status TcpIpObject::set(std::uint32_t, std::uint32_t id, cip::ByteView valu
     }
 }
 
+// R-TCP-4. To ask a server for an address gives the present one up, which an I/O connection does not survive.
 cip::Status TcpIpObject::set_control(cip::ByteView value) {
     const auto wanted = whole_value<std::uint32_t>(value);
     if (!wanted) return wanted.error();
-    const auto method = static_cast<AddressMethod>(*wanted);
-    const bool known = *wanted <= 0xFF && (method == AddressMethod::stored || method == AddressMethod::dhcp);
+    const bool known = *wanted == static_cast<std::uint32_t>(AddressMethod::stored) ||
+                       *wanted == static_cast<std::uint32_t>(AddressMethod::dhcp) ||
+                       (*wanted == static_cast<std::uint32_t>(AddressMethod::bootp) && has_bootp());
     if (!known) return cip::GeneralStatus::invalid_attribute_value;
-    // The address that is in force stays, as a stored one (R-TCP-4).
-    if (method == AddressMethod::stored && settings_.method != method) settings_.configured = state_.interface;
+    const auto method = static_cast<AddressMethod>(*wanted);
+    if (method == settings_.method) return {};
+    if (method == AddressMethod::stored) {
+        settings_.configured = network_.state.interface;  // the address that is in force stays, as a stored one
+        settings_.method = method;
+        return {};
+    }
+    if (device_.io_is_open()) return cip::GeneralStatus::device_state_conflict;
     settings_.method = method;
+    want_address();
     return {};
 }
 
+// In the order of R-TCP-6.
 cip::Status TcpIpObject::set_interface(cip::ByteView value) {
+    if (device_.io_is_open()) return cip::GeneralStatus::device_state_conflict;
     if (settings_.method != AddressMethod::stored) return cip::GeneralStatus::object_state_conflict;
     cip::Reader reader(value);
     InterfaceConfiguration wanted;
@@ -198,9 +234,15 @@ cip::Status TcpIpObject::set_interface(cip::ByteView value) {
     if (const auto wrong = length_status(reader); wrong != cip::GeneralStatus::success) return wrong;
     if (wanted.domain.size() > max_domain) return cip::GeneralStatus::too_much_data;
     if (!is_usable(wanted)) return cip::GeneralStatus::invalid_attribute_value;
-    settings_.configured = wanted;
-    state_.interface = std::move(wanted);
+    const bool other = wanted != told_interface();
+    settings_.configured = std::move(wanted);
+    if (other) want_address();
     return {};
+}
+
+void TcpIpObject::want_address() {
+    network_.state.address.pending = true;
+    device_.address_changed();
 }
 
 cip::Status TcpIpObject::set_host_name(cip::ByteView value) {
@@ -210,6 +252,38 @@ cip::Status TcpIpObject::set_host_name(cip::ByteView value) {
     if (wanted.size() > max_host_name) return cip::GeneralStatus::too_much_data;
     if (!is_host_name(wanted)) return cip::GeneralStatus::invalid_attribute_value;
     settings_.host_name = std::move(wanted);
+    return {};
+}
+
+// R-TCP-8: what is being sent by multicast is not redirected.
+cip::Status TcpIpObject::set_ttl(cip::ByteView value) {
+    if (device_.groups_in_use() > 0) return cip::GeneralStatus::object_state_conflict;
+    const auto wanted = whole_value<std::uint8_t>(value);
+    if (!wanted) return wanted.error();
+    if (*wanted == 0) return cip::GeneralStatus::invalid_attribute_value;
+    settings_.ttl = *wanted;
+    return {};
+}
+
+// R-MC-2. By the algorithm the other members do not count.
+cip::Status TcpIpObject::set_multicast(cip::ByteView value) {
+    if (device_.groups_in_use() > 0) return cip::GeneralStatus::object_state_conflict;
+    cip::Reader reader(value);
+    const auto control = reader.u8();
+    const auto reserved = reader.u8();
+    MulticastAllocation wanted{.chosen = control == 1, .count = reader.u16(), .start = reader.u32()};
+    if (const auto wrong = length_status(reader); wrong != cip::GeneralStatus::success) return wrong;
+    if (control > 1) return cip::GeneralStatus::invalid_attribute_value;
+    if (!wanted.chosen) {
+        settings_.multicast = {};
+        return {};
+    }
+    const bool counted = wanted.count >= 1 && wanted.count <= max_multicast_groups;
+    if (reserved != 0 || !counted || !enip::is_multicast(wanted.start) ||
+        !enip::is_multicast(wanted.start + wanted.count - 1)) {
+        return cip::GeneralStatus::invalid_attribute_value;
+    }
+    settings_.multicast = wanted;
     return {};
 }
 
@@ -229,6 +303,7 @@ cip::Status TcpIpObject::set_last_conflict(cip::ByteView value) {
         return cip::GeneralStatus::invalid_attribute_value;
     }
     settings_.last_conflict = {};
+    network_.state.address.conflict = false;  // R-ACD-6
     return {};
 }
 
