@@ -24,12 +24,6 @@ bool is_unicast(std::uint32_t address) {
     return first != 0 && first != 127 && first < 224;
 }
 
-bool operator==(const InterfaceConfiguration& left, const InterfaceConfiguration& right) {
-    return left.address == right.address && left.mask == right.mask && left.gateway == right.gateway &&
-           left.name_server_1 == right.name_server_1 && left.name_server_2 == right.name_server_2 &&
-           left.domain == right.domain;
-}
-
 }  // namespace
 
 void DhcpClient::start(enip::Time now) {
@@ -197,7 +191,7 @@ std::optional<AddressClient::Event> DhcpClient::on_ack(const DhcpMessage& ack, c
     if (!configuration) return std::nullopt;
     server_ = {*server, frame.source_mac};
     lease_ = lease_of(ack, seconds);
-    const bool changed = !(granted_ == *configuration);
+    const bool changed = granted_ != *configuration;
     granted_ = *std::move(configuration);
     const bool renewed = has_lease();
     state_ = State::checking;
