@@ -111,6 +111,7 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
       faults_(seed) {
     network_.settings.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
     build_objects();
+    shown_ = module_state();
 }
 
 Adapter::~Adapter() = default;
@@ -244,6 +245,7 @@ std::size_t Adapter::on_octets(ConnectionId id, cip::ByteView octets, enip::Time
     auto rest = octets;
     take_messages(connection, rest, now);
     manager_->io().note_changes(faults_.bus_time(now));
+    note_lights();
     // What follows an UnRegisterSession or a refusal is nobody's any more.
     return connection.closing ? octets.size() : octets.size() - rest.size();
 }
@@ -479,6 +481,7 @@ void Adapter::on_closed(ConnectionId id, enip::Time) {
     manager_->on_session_closed(id);
     file_object_->on_session_closed(id);
     connections_.erase(found);
+    note_lights();
 }
 
 void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
@@ -573,6 +576,7 @@ void Adapter::on_timer(enip::Time now) {
         }
         expire(*connection);
     }
+    note_lights();
 }
 
 std::optional<enip::Time> Adapter::next_deadline() const {
@@ -660,6 +664,7 @@ bool Adapter::inject(const Happening& event, enip::Time now) {
     manager_->io().note_changes(faults_.bus_time(now));
     take_held_octets(now);
     manager_->io().note_changes(faults_.bus_time(now));
+    note_lights();
     return taken;
 }
 
@@ -699,6 +704,30 @@ void Adapter::restart_by_power() {
     shut_down();
     build_objects();
     apply_address();
+}
+
+ModuleState Adapter::module_state() const {
+    constexpr drive::Key status_word{0x66, 0x01};
+    constexpr std::int64_t fault_bit = 1 << 3;
+    const auto* row = device_.find(status_word);
+    const auto* word = row != nullptr ? std::get_if<std::int64_t>(&device_.store().value(*row)) : nullptr;
+    return {.powered = !faults_.is_down(),
+            .connected = io().size() + class3_connections() > 0,
+            .fault = word != nullptr && (*word & fault_bit) != 0};
+}
+
+// Connections have lines of their own in the log, so that RUN is for those who look closely.
+void Adapter::note_lights() {
+    const auto state = module_state();
+    if (state == shown_) return;
+    const auto before = status_lights(std::exchange(shown_, state));
+    const auto now = status_lights(state);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        if (now[i] == before[i]) continue;
+        const auto level = static_cast<Light>(i) == Light::run ? LogLevel::debug : LogLevel::info;
+        log_(level, fmt::format("light {}: {}{}{}", light_names[i], name(now[i].mode),
+                                now[i].meaning.empty() ? "" : ", ", now[i].meaning));
+    }
 }
 
 void Adapter::set_epoch(std::chrono::microseconds epoch) {

@@ -28,6 +28,7 @@
 #include "adapter/network_settings.hpp"
 #include "adapter/network_state.hpp"
 #include "adapter/session.hpp"
+#include "adapter/status_lights.hpp"
 #include "adapter/timetable.hpp"
 #include "cip/message_router.hpp"
 #include "drive/device.hpp"
@@ -104,6 +105,9 @@ public:
     void set_epoch(std::chrono::microseconds epoch);
     /// Who tells how much of a CPU the device uses, in tenths of a percent: attribute 11 of the Connection Manager.
     void measure_cpu(std::function<std::uint16_t()> measure) { measure_cpu_ = std::move(measure); }
+    /// What the lights of the module tell, and what they show of it.
+    [[nodiscard]] ModuleState module_state() const;
+    [[nodiscard]] StatusLights lights() const { return status_lights(module_state()); }
     /// What is wrong with the network on purpose.
     [[nodiscard]] const NetworkFaults& faults() const { return faults_; }
     /// Faults that leave something to chance repeat with this number. Before any of them.
@@ -147,6 +151,7 @@ private:
     bool apply(const Happening& event, enip::Time now);
     bool begin(const NetworkFault& fault, enip::Time now);
     void restart_by_power();
+    void note_lights();
     [[nodiscard]] bool io_is_due_by(enip::Time time) const;
     void take_messages(Connection& connection, cip::ByteView& rest, enip::Time now);
     void hold_octets(Connection& connection, cip::ByteView octets);
@@ -177,6 +182,7 @@ private:
     std::vector<DelayedReply> delayed_;
     std::vector<ConnectionId> expired_;
     std::vector<ConnectionId> ready_;
+    ModuleState shown_{};  ///< by the lights, when the log was last told of them
     NetworkFaults faults_;
     enip::IoQueue produced_;     ///< on its way through faults
     bool holds_octets_ = false;  ///< of some connection

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "adapter/event_json.hpp"
+#include "adapter/status_lights.hpp"
 #include "drive/ds402.hpp"
 
 namespace servobus::adapter {
@@ -19,11 +20,12 @@ namespace {
 using Answer = nlohmann::ordered_json;
 using nlohmann::json;
 
-enum class Query : std::uint8_t { state, axis, connections, counters };
-constexpr std::array<std::pair<std::string_view, Query>, 4> queries{{{"state", Query::state},
+enum class Query : std::uint8_t { state, axis, connections, counters, lights };
+constexpr std::array<std::pair<std::string_view, Query>, 5> queries{{{"state", Query::state},
                                                                      {"axis", Query::axis},
                                                                      {"connections", Query::connections},
-                                                                     {"counters", Query::counters}}};
+                                                                     {"counters", Query::counters},
+                                                                     {"lights", Query::lights}}};
 
 enum class Command : std::uint8_t { stop };
 constexpr std::array<std::pair<std::string_view, Command>, 1> commands{{{"stop", Command::stop}}};
@@ -206,6 +208,17 @@ Answer counters_of(const Adapter& adapter) {
           {"opens_refused", faults.replies().opens_refused}}}};
 }
 
+Answer lights_of(const Adapter& adapter, enip::Time now) {
+    Answer answer{{"ok", true}};
+    const auto lights = adapter.lights();
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        answer[std::string(light_names[i])] = {{"mode", name(lights[i].mode)},
+                                               {"lit", is_lit(lights[i].mode, adapter.elapsed(now))},
+                                               {"meaning", lights[i].meaning}};
+    }
+    return answer;
+}
+
 std::string tell(Adapter& adapter, Query query, const drive::AxisKind& axis, enip::Time now) {
     adapter.advance(now);
     switch (query) {
@@ -217,6 +230,8 @@ std::string tell(Adapter& adapter, Query query, const drive::AxisKind& axis, eni
             return text_of(connections_of(adapter));
         case Query::counters:
             return text_of(counters_of(adapter));
+        case Query::lights:
+            return text_of(lights_of(adapter, now));
     }
     return {};
 }

@@ -24,6 +24,8 @@
 #include "adapter/fleet.hpp"
 #include "adapter/ready_line.hpp"
 #include "adapter/scenario.hpp"
+#include "adapter/status_line.hpp"
+#include "adapter/terminal_sink.hpp"
 #include "adapter/version.hpp"
 #include "drive/xenax.hpp"
 #include "enip/asio/cpu_load.hpp"
@@ -66,6 +68,7 @@ struct Arguments {
     servobus::enip::asio::Scheduling scheduling;
     bool list_axes = false;
     bool ready_json = false;
+    bool status_line = false;
 };
 
 int fail(int code, const std::string& reason) {
@@ -98,6 +101,8 @@ void add_machine_options(CLI::App& app, Arguments& arguments) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_flag("--ready-json", arguments.ready_json,
                  "Say in one line of JSON that it listens, and where: for programs that start this one");
+    app.add_flag("--status-line", arguments.status_line,
+                 "Show lights, owner, connections and state in one line below the log, if stderr is a terminal");
 }
 
 void add_scheduling_options(CLI::App& app, servobus::enip::asio::Scheduling& scheduling) {
@@ -160,6 +165,11 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         return fail(wrong_usage,
                     "--control - can be given once: there is one standard input (--help shows the options)");
     }
+    if (arguments.status_line && std::ranges::count(arguments.controls, "-") > 0) {
+        return fail(wrong_usage,
+                    "--status-line and --control - want the same terminal; give --control a path (--help shows the "
+                    "options)");
+    }
     return std::nullopt;
 }
 
@@ -193,8 +203,8 @@ spdlog::level::level_enum to_spdlog(LogLevel level) {
     return spdlog::level::info;
 }
 
-std::shared_ptr<spdlog::logger> make_logger(LogLevel level) {
-    auto logger = std::make_shared<spdlog::logger>("adapter", std::make_shared<spdlog::sinks::stderr_sink_st>());
+std::shared_ptr<spdlog::logger> make_logger(LogLevel level, spdlog::sink_ptr sink) {
+    auto logger = std::make_shared<spdlog::logger>("adapter", std::move(sink));
     logger->set_pattern("%H:%M:%S.%e %l: %v");
     logger->set_level(to_spdlog(level));
     logger->flush_on(spdlog::level::trace);
@@ -324,10 +334,24 @@ std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& conf
     return std::nullopt;
 }
 
+// Twice as often as a light changes, so that it is seen to blink.
+void show_status(TargetServer& server, Fleet& fleet, const std::shared_ptr<servobus::adapter::TerminalSink>& terminal) {
+    constexpr std::chrono::milliseconds interval{250};
+    std::vector<const servobus::adapter::Adapter*> drives;
+    for (std::size_t i = 0; i < fleet.size(); ++i) drives.push_back(&fleet[i].adapter);
+    server.every(interval, [drives, terminal](servobus::enip::Time now) {
+        terminal->show(servobus::adapter::status_line(drives, now, terminal->width()));
+    });
+}
+
 int serve(const Config& config, const Files& files, const std::vector<std::string>& addresses,
           const Arguments& arguments) {
     const auto& controls = arguments.controls;
-    const auto logger = make_logger(config.log_level);
+    const auto terminal = arguments.status_line && ::isatty(STDERR_FILENO) != 0
+                              ? std::make_shared<servobus::adapter::TerminalSink>(stderr)
+                              : nullptr;
+    const auto logger = make_logger(
+        config.log_level, terminal ? spdlog::sink_ptr(terminal) : std::make_shared<spdlog::sinks::stderr_sink_st>());
     make_room_for_descriptors(config.limits, addresses.size(), *logger);
     const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
     Fleet fleet(config, addresses, unpredictable_seed(), log, files.device, files.scenario);
@@ -346,7 +370,9 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     }
     std::fflush(stdout);
     if (fleet[0].device.has_machine()) logger->info("the axis is a {}", axis_of(config).name);
+    if (terminal) show_status(server, fleet, terminal);
     server.run([&] {
+        if (terminal) terminal->show({});
         logger->info("stopping: {} sessions are closed", fleet.sessions());
         fleet.shut_down();
     });

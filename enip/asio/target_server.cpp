@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
@@ -9,6 +10,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <utility>
 #include <vector>
@@ -34,6 +36,7 @@ public:
 
     boost::system::result<Listening, ListenError> listen(Target& target, const ListenOptions& options);
     std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
+    void every(std::chrono::milliseconds interval, std::function<void(Time)> look);
     void catch_signals();
     void run(const std::function<void()>& stopping);
     void stop() {
@@ -41,10 +44,18 @@ public:
     }
 
 private:
+    /// Somebody who looks at the targets from time to time.
+    struct Onlooker {
+        std::chrono::milliseconds interval;
+        std::function<void(Time)> look;
+        net::steady_timer timer;
+    };
+
     void report(const std::string& line) const {
         if (shared_.problem) shared_.problem(line);
     }
     net::awaitable<void> wait_for_signal();
+    net::awaitable<void> look_on(Onlooker& onlooker);
     void gather(TargetStation& station);
     void send_gathered();
     void after_line();
@@ -55,6 +66,7 @@ private:
     net::signal_set signals_;
     std::vector<std::unique_ptr<TargetStation>> stations_;
     std::vector<std::unique_ptr<LineServer>> lines_;
+    std::vector<std::unique_ptr<Onlooker>> onlookers_;
     IoQueue gathered_;  ///< of several stations, on its way through the socket of the first
     bool sends_ = false;
     std::function<void()> stopping_;
@@ -77,6 +89,21 @@ std::optional<ListenError> TargetServer::Impl::serve_lines(const LineService& se
     return std::nullopt;
 }
 
+void TargetServer::Impl::every(std::chrono::milliseconds interval, std::function<void(Time)> look) {
+    onlookers_.push_back(std::make_unique<Onlooker>(Onlooker{interval, std::move(look), net::steady_timer(context_)}));
+}
+
+net::awaitable<void> TargetServer::Impl::look_on(Onlooker& onlooker) {
+    auto next = std::chrono::steady_clock::now();
+    while (!stopped_) {
+        onlooker.look(std::chrono::steady_clock::now());
+        // A rate is kept, but what nobody has seen in time is not shown afterwards.
+        next = std::max(next + onlooker.interval, std::chrono::steady_clock::now());
+        onlooker.timer.expires_at(next);
+        static_cast<void>(co_await onlooker.timer.async_wait(awaited));
+    }
+}
+
 void TargetServer::Impl::catch_signals() {
     error_code error;
     signals_.add(SIGINT, error);
@@ -92,6 +119,7 @@ void TargetServer::Impl::run(const std::function<void()>& stopping) {
     stopping_ = stopping;
     for (const auto& station : stations_) station->start();
     for (const auto& lines : lines_) lines->start();
+    for (const auto& onlooker : onlookers_) net::co_spawn(context_, look_on(*onlooker), net::detached);
     context_.run();
 }
 
@@ -132,6 +160,7 @@ void TargetServer::Impl::shut_down() {
     if (stopping_) stopping_();
     signals_.cancel();
     for (const auto& lines : lines_) lines->stop();
+    for (const auto& onlooker : onlookers_) onlooker->timer.cancel();
     for (const auto& station : stations_) station->shut_down();
 }
 
@@ -146,6 +175,10 @@ boost::system::result<Listening, ListenError> TargetServer::listen(Target& targe
 
 std::optional<ListenError> TargetServer::serve_lines(const LineService& service, const std::string& where) {
     return impl_->serve_lines(service, where);
+}
+
+void TargetServer::every(std::chrono::milliseconds interval, std::function<void(Time)> look) {
+    impl_->every(interval, std::move(look));
 }
 
 void TargetServer::catch_signals() { impl_->catch_signals(); }

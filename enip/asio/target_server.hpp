@@ -2,6 +2,7 @@
 #pragma once
 
 #include <boost/system/result.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -50,6 +51,10 @@ public:
     /// Answers lines of text too, on the thread of run() and with the same clock as the targets: "-" means standard input
     /// and output, anything else is the path of a Unix-domain socket. Any number of these, before run().
     [[nodiscard]] std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
+
+    /// Calls `look` on the thread of run(), first when it starts and then at each interval, for whoever shows how the targets
+    /// are. It must change nothing about them. Any number of these, before run().
+    void every(std::chrono::milliseconds interval, std::function<void(Time)> look);
 
     /// From now on SIGINT and SIGTERM do what stop() does; one that comes before run() ends it at once.
     void catch_signals();
