@@ -118,59 +118,8 @@ Status get_list(const Object& object, const RequestPath& path, ByteView request,
     return outcome;
 }
 
-// One entry of a Set_Attribute_List: the octets of its value, or why they could not be found.
-struct SetEntry {
-    std::uint16_t id = 0;
-    ByteView value;
-    GeneralStatus found = GeneralStatus::missing_attribute_list_entry;
-};
-
-SetEntry read_entry(const Object& object, std::uint32_t instance, Reader& reader) {
-    SetEntry entry;
-    if (reader.remaining() < 2) return entry;
-    entry.id = reader.u16();
-    if (!object.attribute(instance, entry.id)) {
-        entry.found = GeneralStatus::attribute_not_supported;
-        return entry;
-    }
-    const auto size = object.value_size(instance, entry.id, reader.rest());
-    if (!size || *size > reader.remaining()) {
-        entry.found = GeneralStatus::not_enough_data;
-        return entry;
-    }
-    entry.value = reader.take(*size);
-    entry.found = GeneralStatus::success;
-    return entry;
-}
-
-// R-MSG-15. Behind an entry whose value has no known size nothing can be found: 0x1C for the rest. All entries are
-// found before any is applied, so that a request with surplus data changes nothing.
-Status set_list(Object& object, const RequestPath& path, ByteView request, std::size_t limit, Bytes& data) {
-    Reader reader(request);
-    const auto count = reader.u16();
-    if (!reader.ok()) return GeneralStatus::not_enough_data;
-    // The shortest entry has an id and one octet of value; each is answered by four octets.
-    if (std::size_t{count} * 3 > reader.remaining()) return GeneralStatus::not_enough_data;
-    if (2 + std::size_t{count} * 4 > limit) return GeneralStatus::reply_data_too_large;
-    std::vector<SetEntry> entries(count);
-    bool lost = false;
-    for (auto& entry : entries) {
-        if (!lost) entry = read_entry(object, path.instance, reader);
-        lost = lost || entry.found != GeneralStatus::success;
-    }
-    if (!lost && reader.remaining() > 0) return GeneralStatus::too_much_data;
-
-    Writer writer(data);
-    writer.u16(count);
-    GeneralStatus outcome = GeneralStatus::success;
-    for (const auto& entry : entries) {
-        Status status = entry.found;
-        if (status.ok()) status = set_single(object, {path.class_id, path.instance, entry.id, {}}, entry.value);
-        writer.u16(entry.id);
-        writer.field(static_cast<std::uint16_t>(status.general));
-        if (!status.ok()) outcome = GeneralStatus::attribute_list_error;
-    }
-    return outcome;
+Response refusal(const RequestView& request, Status status) {
+    return {static_cast<std::uint8_t>(request.service & ~service::reply_bit), std::move(status), {}};
 }
 
 bool keeps_data(const Status& status) {
@@ -198,9 +147,19 @@ std::optional<Response> MessageRouter::handle(ByteView message, const Origin& or
     const auto request = RequestView::parse(message);
     if (!request) {
         if (request.error() == DecodeError::truncated) return std::nullopt;
-        return Response{static_cast<std::uint8_t>(message[0] & 0x7F), GeneralStatus::path_size_invalid, {}};
+        const RequestView pathless{.service = message[0], .path = {}, .data = {}};
+        auto response = refusal(pathless, GeneralStatus::path_size_invalid);
+        if (gate_ != nullptr) gate_->ended({.request = pathless, .origin = origin}, response);
+        return response;
     }
-    auto response = dispatch(*request, origin);
+    const auto path = RequestPath::parse(request->path);
+    Access access{.request = *request, .origin = origin, .data = request->data};
+    if (path) {
+        access.path = &*path;
+        access.attribute = path->attribute;
+    }
+    auto response = path ? dispatch(access) : refusal(*request, path.error());
+    if (gate_ != nullptr) gate_->ended(access, response);
     if (response.encoded_size() > origin.reply_limit) {
         response.status = GeneralStatus::reply_data_too_large;
         response.data.clear();
@@ -208,42 +167,47 @@ std::optional<Response> MessageRouter::handle(ByteView message, const Origin& or
     return response;
 }
 
-Response MessageRouter::dispatch(const RequestView& request, const Origin& origin) {
-    const auto refuse = [&](Status status) {
-        return Response{static_cast<std::uint8_t>(request.service & 0x7F), std::move(status), {}};
-    };
-    const auto path = RequestPath::parse(request.path);
-    if (!path) return refuse(path.error());
-    if (path->key && mismatch(*path->key, node_)) return refuse(GeneralStatus::key_failure_in_path);
-
-    if (path->class_id == class_id::message_router) {
-        if (path->instance > 1) return refuse(GeneralStatus::path_destination_unknown);
-        if (path->instance == 1 && request.service == service::multiple_service_packet) {
-            return multiple_service_packet(request, origin);
+Response MessageRouter::dispatch(Access& access) {
+    const auto& request = access.request;
+    const auto& path = *access.path;
+    if (path.key && mismatch(*path.key, node_)) return refusal(request, GeneralStatus::key_failure_in_path);
+    if (path.class_id == class_id::message_router) {
+        if (path.instance > 1) return refusal(request, GeneralStatus::path_destination_unknown);
+        if (path.instance == 1 && request.service == service::multiple_service_packet) {
+            return multiple_service_packet(request, access.origin);
         }
         static constexpr ClassInfo router{.class_id = class_id::message_router, .max_instance_attribute = 0};
-        if (path->instance == 0) return call_class(request, *path, router, nullptr);
-        return refuse(GeneralStatus::service_not_supported);  // R-MR-1
+        if (path.instance == 0) return call_class(request, path, router, nullptr);
+        return refusal(request, GeneralStatus::service_not_supported);  // R-MR-1
     }
-    const auto found = objects_.find(path->class_id);
-    if (found == objects_.end()) return refuse(GeneralStatus::path_destination_unknown);
-    return dispatch(request, *path, *found->second, origin);
+    const auto found = objects_.find(path.class_id);
+    if (found == objects_.end()) return refusal(request, GeneralStatus::path_destination_unknown);
+    return dispatch(access, *found->second);
 }
 
-Response MessageRouter::dispatch(const RequestView& request, const RequestPath& path, Object& object,
-                                 const Origin& origin) {
+Response MessageRouter::dispatch(Access& access, Object& object) {
+    const auto& request = access.request;
+    const auto& path = *access.path;
+    const bool means_one =
+        request.service == service::get_attribute_single || request.service == service::set_attribute_single;
+    if (means_one && !path.attribute) access.attribute = object.implied_attribute();
     if (path.instance == 0) return call_class(request, path, object.info(), &object);
-    Response response{static_cast<std::uint8_t>(request.service & 0x7F)};
-    if (!object.has_instance(path.instance)) {
-        response.status = GeneralStatus::path_destination_unknown;
-        return response;
-    }
+    if (!object.has_instance(path.instance)) return refusal(request, GeneralStatus::path_destination_unknown);
     if ((request.service & service::reply_bit) != 0 || !object.offers(request.service)) {
-        response.status = GeneralStatus::service_not_supported;
-        return response;
+        return refusal(request, GeneralStatus::service_not_supported);
     }
+    if (gate_ != nullptr) {
+        if (auto status = gate_->admit(access); !status.ok()) return object.refuse(request, std::move(status));
+    }
+    return carry_out(access, object);
+}
+
+Response MessageRouter::carry_out(const Access& access, Object& object) {
+    const auto& request = access.request;
+    const auto& path = *access.path;
+    Response response{request.service};
     constexpr std::size_t reply_header = 4;
-    const auto limit = origin.reply_limit - std::min(origin.reply_limit, reply_header);
+    const auto limit = access.origin.reply_limit - std::min(access.origin.reply_limit, reply_header);
     switch (request.service) {
         case service::get_attribute_single:
             response.status = get_single(object, path, response.data);
@@ -259,13 +223,83 @@ Response MessageRouter::dispatch(const RequestView& request, const RequestPath& 
             if (response.status.general == GeneralStatus::reply_data_too_large) return response;
             break;
         case service::set_attribute_list:
-            response.status = set_list(object, path, request.data, limit, response.data);
+            response.status = set_list(access, object, limit, response.data);
             break;
         default:
-            return object.call(request, path, origin);
+            return object.call(request, path, access.origin);
     }
     if (!keeps_data(response.status)) response.data.clear();
     return response;
+}
+
+// The octets of its value, or why they could not be found.
+struct MessageRouter::SetEntry {
+    std::uint16_t id = 0;
+    ByteView value;
+    GeneralStatus found = GeneralStatus::missing_attribute_list_entry;
+};
+
+MessageRouter::SetEntry MessageRouter::read_entry(const Object& object, std::uint32_t instance, Reader& reader) {
+    SetEntry entry;
+    if (reader.remaining() < 2) return entry;
+    entry.id = reader.u16();
+    if (!object.attribute(instance, entry.id)) {
+        entry.found = GeneralStatus::attribute_not_supported;
+        return entry;
+    }
+    const auto size = object.value_size(instance, entry.id, reader.rest());
+    if (!size || *size > reader.remaining()) {
+        entry.found = GeneralStatus::not_enough_data;
+        return entry;
+    }
+    entry.value = reader.take(*size);
+    entry.found = GeneralStatus::success;
+    return entry;
+}
+
+// Each entry that could be read has to pass the gate by itself.
+Status MessageRouter::set_entry(const Access& list, Object& object, const SetEntry& entry) {
+    if (entry.found == GeneralStatus::missing_attribute_list_entry) return entry.found;
+    auto access = list;
+    access.attribute = entry.id;
+    access.data = entry.value;
+    access.is_entry = true;
+    Status status = entry.found;
+    if (status.ok() && gate_ != nullptr) status = gate_->admit(access);
+    if (status.ok()) {
+        status = set_single(object, {list.path->class_id, list.path->instance, entry.id, {}}, entry.value);
+    }
+    if (gate_ != nullptr) gate_->ended(access, {list.request.service, status, {}});
+    return status;
+}
+
+// R-MSG-15. Behind an entry whose value has no known size nothing can be found: 0x1C for the rest. All entries are
+// found before any is applied, so that a request with surplus data changes nothing.
+Status MessageRouter::set_list(const Access& access, Object& object, std::size_t limit, Bytes& data) {
+    Reader reader(access.data);
+    const auto count = reader.u16();
+    if (!reader.ok()) return GeneralStatus::not_enough_data;
+    // The shortest entry has an id and one octet of value; each is answered by four octets.
+    if (std::size_t{count} * 3 > reader.remaining()) return GeneralStatus::not_enough_data;
+    if (2 + std::size_t{count} * 4 > limit) return GeneralStatus::reply_data_too_large;
+    std::vector<SetEntry> entries(count);
+    bool lost = false;
+    for (auto& entry : entries) {
+        if (!lost) entry = read_entry(object, access.path->instance, reader);
+        lost = lost || entry.found != GeneralStatus::success;
+    }
+    if (!lost && reader.remaining() > 0) return GeneralStatus::too_much_data;
+
+    Writer writer(data);
+    writer.u16(count);
+    GeneralStatus outcome = GeneralStatus::success;
+    for (const auto& entry : entries) {
+        const auto status = set_entry(access, object, entry);
+        writer.u16(entry.id);
+        writer.field(static_cast<std::uint16_t>(status.general));
+        if (!status.ok()) outcome = GeneralStatus::attribute_list_error;
+    }
+    return outcome;
 }
 
 // R-MSG-16. The head of the reply is as long as that of the request; a part that does not fit any more is 0x11 in its
@@ -284,6 +318,7 @@ Response MessageRouter::multiple_service_packet(const RequestView& request, cons
     if (head + left * reply_header > origin.reply_limit) return refuse(GeneralStatus::reply_data_too_large);
     auto inner = origin;
     inner.depth = max_embedding;
+    inner.is_part = true;
     auto room = origin.reply_limit - head;
     Response response{request.service};
     std::vector<Bytes> replies;

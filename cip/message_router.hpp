@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cip/bytes.hpp"
+#include "cip/gate.hpp"
 #include "cip/message.hpp"
 #include "cip/object.hpp"
 #include "cip/request_path.hpp"
@@ -27,6 +28,11 @@ public:
     /// One object per class; a second one of a class takes the place of the first.
     void add(std::unique_ptr<Object> object);
 
+    /// What electronic keys are compared with from now on.
+    void set_node(NodeIdentity node) { node_ = node; }
+    /// Asked before each request is carried out; it outlives the router. nullptr: everything is admitted.
+    void set_gate(Gate* gate) { gate_ = gate; }
+
     /// The class ids of all objects, ascending.
     [[nodiscard]] std::vector<std::uint16_t> classes() const;
 
@@ -34,11 +40,18 @@ public:
     [[nodiscard]] std::optional<Response> handle(ByteView message, const Origin& origin);
 
 private:
-    Response dispatch(const RequestView& request, const Origin& origin);
-    Response dispatch(const RequestView& request, const RequestPath& path, Object& object, const Origin& origin);
+    struct SetEntry;  ///< one entry of a Set_Attribute_List
+
+    Response dispatch(Access& access);
+    Response dispatch(Access& access, Object& object);
+    Response carry_out(const Access& access, Object& object);
+    static SetEntry read_entry(const Object& object, std::uint32_t instance, Reader& reader);
+    Status set_entry(const Access& list, Object& object, const SetEntry& entry);
+    Status set_list(const Access& access, Object& object, std::size_t limit, Bytes& data);
     Response multiple_service_packet(const RequestView& request, const Origin& origin);
 
     NodeIdentity node_;
+    Gate* gate_ = nullptr;
     std::map<std::uint32_t, std::unique_ptr<Object>> objects_;
 };
 

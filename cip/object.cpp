@@ -1,5 +1,7 @@
 #include "cip/object.hpp"
 
+#include <utility>
+
 namespace servobus::cip {
 
 bool Object::get_class_attribute(std::uint32_t, Writer&) const { return false; }
@@ -11,5 +13,7 @@ std::optional<std::size_t> Object::value_size(std::uint32_t, std::uint32_t, Byte
 Response Object::call(const RequestView& request, const RequestPath&, const Origin&) {
     return {request.service, GeneralStatus::service_not_supported, {}};
 }
+
+Response Object::refuse(const RequestView& request, Status status) { return {request.service, std::move(status), {}}; }
 
 }  // namespace servobus::cip

@@ -37,11 +37,14 @@ struct Origin {
     Via via = Via::unconnected;
     std::uint64_t session = 0;                    ///< the transport connection it came on
     std::uint32_t address = 0;                    ///< the peer's IPv4 address, 0 when there is none
+    std::uint16_t port = 0;                       ///< the peer's
     std::uint32_t local_address = 0;              ///< our own, that the peer has connected to
     const SideItems* items = nullptr;             ///< what came beside an unconnected request, if anything
     SideItems* reply_items = nullptr;             ///< what is to go beside its reply; null where nothing can
     std::size_t reply_limit = max_message_bytes;  ///< octets that a reply may have
     std::size_t depth = 0;                        ///< how many requests this one is embedded in
+    bool is_routed = false;                       ///< one of them is an Unconnected_Send
+    bool is_part = false;                         ///< one of them is a Multiple_Service_Packet
     Time now{};
 };
 
@@ -94,6 +97,8 @@ public:
 
     /// An object specific service that offers() named. `request.path` has been resolved to `path`.
     [[nodiscard]] virtual Response call(const RequestView& request, const RequestPath& path, const Origin& origin);
+    /// The answer to a request that is not admitted: the status, and what the object's refusals of this service carry.
+    [[nodiscard]] virtual Response refuse(const RequestView& request, Status status);
 
 protected:
     Object() = default;
