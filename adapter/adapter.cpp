@@ -107,9 +107,16 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
       log_(std::move(log)),
       random_(seed),
       sessions_(limits.sessions, random_()),
+      gate_(device, access_log_,
+            {.owned = [this]() -> const assemblies::Layout* {
+                 const auto* owner = io().owner();
+                 return owner != nullptr ? owner->kind->outputs() : nullptr;
+             },
+             .handle = [this](std::uint64_t session) { return sessions_.handle_of(session); }}),
       router_(node_identity(device.identity())),
       faults_(seed) {
     network_.settings.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
+    router_.set_gate(&gate_);
     build_objects();
     shown_ = module_state();
 }
@@ -176,7 +183,7 @@ Resources Adapter::resources() const {
 
 std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
     advance(now);
-    if (faults_.is_down()) return std::nullopt;
+    if (faults_.is_down() || is_stranger(peer, strangers_.connections, "TCP connection", now)) return std::nullopt;
     const bool refused = !make_room();
     if (refused && limits_.refusals == 0) return std::nullopt;
     auto connection = std::make_unique<Connection>();
@@ -195,6 +202,18 @@ std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip:
     const auto id = connection->id;
     connections_.emplace(id, std::move(connection));
     return id;
+}
+
+bool Adapter::is_stranger(enip::Endpoint peer, std::uint64_t& count, std::string_view way, enip::Time now) {
+    if (allowed_.permits(peer.address)) return false;
+    ++count;
+    access_log_.note(AccessLog::Kind::stranger, now, [&] {
+        return LogLine{.event = "stranger refused",
+                       .values = {{"peer", enip::to_string(peer)},
+                                  {"via", std::string(way)},
+                                  {"why", "not in the list of those who are allowed"}}};
+    });
+    return true;
 }
 
 // Whether one more connection can be served. Those that have connected and then said nothing do not keep out those that
@@ -425,6 +444,7 @@ boost::system::result<enip::SendData, EncapsulationStatus> Adapter::session_data
 cip::Origin Adapter::origin_of(const Connection& connection, enip::Time now) const {
     return {.session = connection.id,
             .address = connection.peer.address,
+            .port = connection.peer.port,
             .local_address = connection.local.address,
             .reply_limit = limits_.message_bytes,
             .now = faults_.bus_time(now)};
@@ -487,7 +507,7 @@ void Adapter::on_closed(ConnectionId id, enip::Time) {
 void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
                           enip::Time now) {
     faults_.advance(now);
-    if (faults_.is_silent()) return;
+    if (faults_.is_silent() || is_stranger(peer, strangers_.requests, "UDP request", now)) return;
     const auto request = Frame::parse(octets);
     if (!request || request->status != EncapsulationStatus::success || request->options != 0) return;
     if (request->command == Command::nop) return;
@@ -507,6 +527,7 @@ void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadc
 
 void Adapter::on_io(enip::Endpoint peer, enip::Endpoint, cip::ByteView octets, enip::Time now) {
     advance(now);
+    if (is_stranger(peer, strangers_.datagrams, "I/O datagram", now)) return;
     const auto bus_time = faults_.bus_time(now);
     if (faults_.filter_in(peer, octets, now)) manager_->io().on_datagram(peer, octets, bus_time);
     take_late_io(now);
@@ -576,11 +597,13 @@ void Adapter::on_timer(enip::Time now) {
         }
         expire(*connection);
     }
+    access_log_.on_timer(now);
     note_lights();
 }
 
 std::optional<enip::Time> Adapter::next_deadline() const {
     auto next = faults_.next_deadline();
+    take_earlier(next, access_log_.next_deadline());
     if (!faults_.is_frozen()) {
         if (const auto bus_time = manager_->next_deadline()) {
             take_earlier(next, std::optional(faults_.true_time(*bus_time)));
@@ -711,8 +734,12 @@ ModuleState Adapter::module_state() const {
     constexpr std::int64_t fault_bit = 1 << 3;
     const auto* row = device_.find(status_word);
     const auto* word = row != nullptr ? std::get_if<std::int64_t>(&device_.store().value(*row)) : nullptr;
+    const auto& address = network_.state.address;
+    const bool conflict = address.conflict || address.without_address;  // R-LED-2
     return {.powered = !faults_.is_down(),
+            .initialising = !address.configured && !conflict,
             .connected = io().size() + class3_connections() > 0,
+            .address_conflict = conflict,
             .fault = word != nullptr && (*word & fault_bit) != 0};
 }
 
@@ -744,6 +771,7 @@ std::vector<std::pair<std::uint32_t, enip::Endpoint>> Adapter::open_sessions() c
 }
 
 void Adapter::shut_down() {
+    access_log_.flush();
     for (auto& [id, connection] : connections_) {
         expire(*connection);
     }

@@ -15,9 +15,13 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "adapter/access_gate.hpp"
+#include "adapter/access_log.hpp"
+#include "adapter/allow_list.hpp"
 #include "adapter/connection_manager.hpp"
 #include "adapter/device_files.hpp"
 #include "adapter/drive_io.hpp"
@@ -77,6 +81,19 @@ public:
     void on_address_change(std::function<void()> change) { change_address_ = std::move(change); }
     /// All connections end, class 1 too, because the device gives its address up.
     void give_address_up();
+
+    /// Who may do what from now on.
+    void protect(Protection protection) { gate_.protect(protection); }
+    /// Who may be here at all: others are not connected, not answered and not listened to.
+    void allow(AllowList allowed) { allowed_ = std::move(allowed); }
+    /// Who wants a line about each access that changes something or is refused.
+    void on_access(LineSink sink) { access_log_.listen(std::move(sink)); }
+    struct StrangerCounters {
+        std::uint64_t connections = 0;
+        std::uint64_t requests = 0;   ///< by UDP
+        std::uint64_t datagrams = 0;  ///< of class 0 and 1
+    };
+    [[nodiscard]] const StrangerCounters& strangers() const { return strangers_; }
 
     /// What happens to the drive while it runs. The timetable's clock starts at the first `now` that the adapter is
     /// given, which is when the server starts to serve.
@@ -152,6 +169,7 @@ private:
     bool begin(const NetworkFault& fault, enip::Time now);
     void restart_by_power();
     void note_lights();
+    [[nodiscard]] bool is_stranger(enip::Endpoint peer, std::uint64_t& count, std::string_view way, enip::Time now);
     [[nodiscard]] bool io_is_due_by(enip::Time time) const;
     void take_messages(Connection& connection, cip::ByteView& rest, enip::Time now);
     void hold_octets(Connection& connection, cip::ByteView octets);
@@ -169,6 +187,10 @@ private:
     Log log_;
     std::mt19937_64 random_;
     SessionTable sessions_;
+    AccessLog access_log_;
+    AccessGate gate_;
+    AllowList allowed_;
+    StrangerCounters strangers_{};
     cip::MessageRouter router_;
     IdentityObject* identity_ = nullptr;  ///< owned by router_
     FileObject* file_object_ = nullptr;   ///< owned by router_

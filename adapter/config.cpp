@@ -79,6 +79,29 @@ Setter product_name(std::optional<std::string>& target) {
     };
 }
 
+Setter allow_setter(AllowList& target) {
+    return [&target](const json& value) -> Reason {
+        if (!value.is_array()) return "must be a list of networks such as \"192.168.2.0/24\"";
+        if (value.size() > max_allowed_networks) return fmt::format("has at most {} networks", max_allowed_networks);
+        AllowList list;
+        for (const auto& entry : value) {
+            const auto network = AllowList::parse(entry.is_string() ? entry.get<std::string>() : entry.dump());
+            if (const auto* reason = std::get_if<std::string>(&network)) return "is not sound: " + *reason;
+            list.add(std::get<AllowList::Network>(network));
+        }
+        target = std::move(list);
+        return {};
+    };
+}
+
+Setters protection_setters(Config& config) {
+    return {
+        {"allow", allow_setter(config.allowed)},
+        {"read_only", flag(config.protection.read_only)},
+        {"harden", flag(config.protection.harden)},
+    };
+}
+
 std::variant<drive::Value, Reason> parameter_value(const drive::Parameter& row, const json& value) {
     drive::Value parsed;
     if (value.is_string()) {
@@ -177,6 +200,11 @@ std::optional<FileError> read_members(const JsonDocument& document, Config& conf
                            [&](const json& value, const std::string& pointer) {
                                return walk.object(value, pointer, limit_setters(config, inactivity_seconds));
                            })},
+        {"access_log", text(config.access_log)},
+        {"protection", section("protection",
+                               [&](const json& value, const std::string& pointer) {
+                                   return walk.object(value, pointer, protection_setters(config));
+                               })},
         {"lost_controller", section("lost_controller",
                                     [&](const json& value, const std::string& pointer) {
                                         return walk.object(value, pointer,
@@ -267,6 +295,8 @@ std::optional<LogLevel> log_level(std::string_view word) {
     }
     return std::nullopt;
 }
+
+std::string_view word(LogLevel level) { return levels[static_cast<std::size_t>(level)].first; }
 
 const drive::AxisKind& axis_of(const Config& config) {
     static const drive::AxisKind standard;

@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "adapter/access_policy.hpp"
+#include "adapter/allow_list.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
 #include "adapter/network_settings.hpp"
@@ -50,6 +52,10 @@ struct Config {
     drive::MotionMemory memory{};  ///< programs and profiles
     drive::OutputsWithoutController outputs_without_controller = drive::OutputsWithoutController::keep;
     Limits limits{};
+    AllowList allowed{};  ///< who may speak to the drives; empty: everybody
+    Protection protection{};
+    /// The file that gets a line of JSON for each access that changes something or is refused.
+    std::optional<std::string> access_log{};
 };
 
 /// `text` is the file's content. Unknown and repeated keys are errors: a misspelt setting that is silently ignored
@@ -64,6 +70,7 @@ struct Config {
 
 /// The level that a word names: trace, debug, info, warning, error.
 [[nodiscard]] std::optional<LogLevel> log_level(std::string_view word);
+[[nodiscard]] std::string_view word(LogLevel level);
 
 /// The network of a device that has just come from the factory: the MAC address follows from the serial number, so that two
 /// drives on one network differ.

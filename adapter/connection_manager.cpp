@@ -32,7 +32,7 @@ cip::ConnectionTriad triad_at(cip::ByteView data, std::size_t offset) {
     return reader.ok() ? triad : cip::ConnectionTriad{};
 }
 
-cip::Response refuse(std::uint8_t service, cip::Status status, const cip::ConnectionTriad& triad) {
+cip::Response refused(std::uint8_t service, cip::Status status, const cip::ConnectionTriad& triad) {
     return {service, std::move(status), cip::ConnectionRefusal{triad, 0}.encode()};
 }
 
@@ -165,6 +165,16 @@ void ConnectionManager::write_entries(cip::Writer& value) const {
     }
 }
 
+// An open that is not admitted names its connection like any other that is refused (R-CON-14).
+cip::Response ConnectionManager::refuse(const cip::RequestView& request, cip::Status status) {
+    if (request.service != cip::service::forward_open && request.service != cip::service::large_forward_open) {
+        return {request.service, std::move(status), {}};
+    }
+    count(Counter::open_requests);
+    count(Counter::open_other_rejects);
+    return refused(request.service, std::move(status), triad_at(request.data, open_triad_offset));
+}
+
 // Counters can only be cleared (R-CM-2).
 cip::Status ConnectionManager::set(std::uint32_t, std::uint32_t id, cip::ByteView value) {
     const auto wanted = whole_value<std::uint16_t>(value);
@@ -215,7 +225,7 @@ cip::Response ConnectionManager::forward_open(const cip::RequestView& request, c
         log_(LogLevel::warning,
              fmt::format("Forward_Open refused: its {} octets end {} its connection path does", request.data.size(),
                          open.error() == cip::DecodeError::trailing ? "after" : "before"));
-        return refuse(request.service, length_status(open.error()), triad_at(request.data, open_triad_offset));
+        return refused(request.service, length_status(open.error()), triad_at(request.data, open_triad_offset));
     }
     auto reply = admit(*open, origin);
     if (reply) return {request.service, {}, reply->encode()};
@@ -225,7 +235,7 @@ cip::Response ConnectionManager::forward_open(const cip::RequestView& request, c
          fmt::format("Forward_Open of connection serial {} by vendor {} refused: {}{}{}", open->triad.serial_number,
                      open->triad.originator_vendor, cip::describe(refusal.status), refusal.words.empty() ? "" : ": ",
                      refusal.words));
-    return refuse(request.service, refusal.status, open->triad);
+    return refused(request.service, refusal.status, open->triad);
 }
 
 // The order of R-CON-15.
@@ -283,17 +293,17 @@ cip::Response ConnectionManager::forward_close(const cip::RequestView& request, 
     const auto close = cip::ForwardClose::parse(request.data);
     if (!close) {
         count(Counter::close_format_rejects);
-        return refuse(request.service, length_status(close.error()), triad_at(request.data, close_triad_offset));
+        return refused(request.service, length_status(close.error()), triad_at(request.data, close_triad_offset));
     }
     const auto* io = io_.find(close->triad);
     const auto* messages = explicit_.find(close->triad);
     if (io == nullptr && messages == nullptr) {
         count(Counter::close_other_rejects);
-        return refuse(request.service, cip::ConnectionFailure::connection_not_found, close->triad);
+        return refused(request.service, cip::ConnectionFailure::connection_not_found, close->triad);
     }
     if ((io != nullptr ? io->originator.address : messages->address) != origin.address) {
         count(Counter::close_other_rejects);
-        return refuse(request.service, cip::GeneralStatus::privilege_violation, close->triad);
+        return refused(request.service, cip::GeneralStatus::privilege_violation, close->triad);
     }
     if (io != nullptr) {
         io_.close(*io);
@@ -315,6 +325,7 @@ cip::Response ConnectionManager::unconnected_send(const cip::RequestView& reques
     if (auto status = check_route(send->route_path); !status.ok()) return fail(std::move(status), send->route_path);
     auto inner = origin;
     ++inner.depth;
+    inner.is_routed = true;
     auto response = router_.handle(send->message, inner);
     if (!response) return fail(cip::ConnectionFailure::unconnected_parameter_error, send->route_path);
     return *std::move(response);

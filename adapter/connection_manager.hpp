@@ -61,6 +61,7 @@ public:
                                                         cip::ByteView data) const override;
     [[nodiscard]] cip::Response call(const cip::RequestView& request, const cip::RequestPath& path,
                                      const cip::Origin& origin) override;
+    [[nodiscard]] cip::Response refuse(const cip::RequestView& request, cip::Status status) override;
 
     /// A SendUnitData. Nullopt when nothing is answered: unknown id, id of another TCP connection, or no message in it.
     [[nodiscard]] std::optional<enip::SendData> on_connected(const enip::ConnectedMessage& message,

@@ -50,7 +50,8 @@ Fleet::Member::Member(drive::Device made, const Config& config, std::uint64_t se
 }
 
 Fleet::Fleet(const Config& config, const std::vector<std::string>& addresses, std::uint64_t seed, const LogSink& log,
-             const DeviceFiles& files, const Timetable& scenario) {
+             const DeviceFiles& files, const Timetable& scenario)
+    : addresses_(addresses) {
     std::mt19937_64 seeds(seed);
     for (std::size_t i = 0; i < addresses.size(); ++i) {
         auto own = config;
@@ -67,6 +68,8 @@ Fleet::Fleet(const Config& config, const std::vector<std::string>& addresses, st
             *members_.emplace_back(std::make_unique<Member>(make_device(own), config, seeds(), std::move(sink), files));
         member.adapter.seed_faults(own.seed);
         member.adapter.play(scenario);
+        member.adapter.allow(config.allowed);
+        member.adapter.protect(config.protection);
     }
 }
 
@@ -74,6 +77,19 @@ std::size_t Fleet::sessions() const {
     std::size_t total = 0;
     for (const auto& member : members_) total += member->adapter.sessions();
     return total;
+}
+
+void Fleet::on_access(const LineSink& sink) {
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+        auto own = sink;
+        if (members_.size() > 1) {
+            own.take = [take = sink.take, name = addresses_[i]](LogLine line) {
+                line.values.emplace(line.values.begin(), "drive", name);
+                take(line);
+            };
+        }
+        members_[i]->adapter.on_access(std::move(own));
+    }
 }
 
 void Fleet::shut_down() {

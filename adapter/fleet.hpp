@@ -14,6 +14,7 @@
 #include "adapter/config.hpp"
 #include "adapter/device_files.hpp"
 #include "adapter/log.hpp"
+#include "adapter/log_line.hpp"
 #include "adapter/timetable.hpp"
 #include "drive/device.hpp"
 #include "enip/endpoint.hpp"
@@ -45,10 +46,13 @@ public:
     [[nodiscard]] std::size_t size() const { return members_.size(); }
     [[nodiscard]] Member& operator[](std::size_t index) { return *members_[index]; }
     [[nodiscard]] std::size_t sessions() const;
+    /// Who wants a line about each access to any of them. With more than one drive each line says which.
+    void on_access(const LineSink& sink);
     void shut_down();
 
 private:
     std::vector<std::unique_ptr<Member>> members_;
+    std::vector<std::string> addresses_;
 };
 
 }  // namespace servobus::adapter

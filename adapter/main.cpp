@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "adapter/access_file.hpp"
 #include "adapter/adapter.hpp"
 #include "adapter/axis_file.hpp"
 #include "adapter/config.hpp"
@@ -35,13 +36,17 @@
 
 namespace {
 
+using servobus::adapter::AccessFile;
+using servobus::adapter::AllowList;
 using servobus::adapter::Config;
 using servobus::adapter::Control;
 using servobus::adapter::DeviceFile;
 using servobus::adapter::DeviceFiles;
 using servobus::adapter::FileError;
 using servobus::adapter::Fleet;
+using servobus::adapter::LineSink;
 using servobus::adapter::LogLevel;
+using servobus::adapter::LogLine;
 using servobus::adapter::Timetable;
 using servobus::enip::asio::CpuLoad;
 using servobus::enip::asio::Listening;
@@ -69,6 +74,10 @@ struct Arguments {
     bool list_axes = false;
     bool ready_json = false;
     bool status_line = false;
+    std::vector<std::string> allowed;
+    bool read_only = false;
+    bool harden = false;
+    std::optional<std::string> access_log;
 };
 
 int fail(int code, const std::string& reason) {
@@ -105,6 +114,28 @@ void add_machine_options(CLI::App& app, Arguments& arguments) {
                  "Show lights, owner, connections and state in one line below the log, if stderr is a terminal");
 }
 
+std::string check_network(const std::string& word) {
+    const auto network = servobus::adapter::AllowList::parse(word);
+    const auto* reason = std::get_if<std::string>(&network);
+    return reason != nullptr ? *reason : std::string();
+}
+
+void add_protection_options(CLI::App& app, Arguments& arguments) {
+    app.add_option("--allow", arguments.allowed,
+                   "IPv4 network, such as 192.168.2.0/24, that may speak to the drives; may be given again. Without it "
+                   "everybody may, with it nobody else, loopback neither")
+        ->expected(1, static_cast<int>(servobus::adapter::max_allowed_networks))
+        ->type_name("CIDR")
+        ->check(check_network);
+    app.add_flag("--read-only", arguments.read_only,
+                 "Refuse everything that changes the drive, and connections that carry data to it");
+    app.add_flag("--harden", arguments.harden,
+                 "Refuse resets, network settings, and parameters that an I/O connection owns");
+    app.add_option("--access-log", arguments.access_log,
+                   "File that gets a line of JSON for each access that changes something or is refused")
+        ->type_name("FILE");
+}
+
 void add_scheduling_options(CLI::App& app, servobus::enip::asio::Scheduling& scheduling) {
     app.add_option(
            "--realtime", scheduling.realtime_priority,
@@ -138,6 +169,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     app.add_option("--log-level", arguments.log_level, "How much to say on stderr (info unless given)")
         ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}));
     add_machine_options(app, arguments);
+    add_protection_options(app, arguments);
     add_scheduling_options(app, arguments.scheduling);
     app.set_version_flag("--version", std::string("servobus-adapter ") + servobus::adapter::version);
     app.footer(
@@ -145,6 +177,8 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         "  servobus-adapter                          a 75V8S on this machine alone\n"
         "  servobus-adapter --variant 48v8 --port 0  a 48V8 at a free port\n"
         "  servobus-adapter --bind 192.168.1.20      on the network; read SECURITY.md first\n"
+        "  servobus-adapter --bind 192.168.1.20 --allow 192.168.1.7 --harden\n"
+        "                                            for one controller alone\n"
         "  servobus-adapter --bind 127.0.1.1 --count 8\n"
         "                                            eight of them, at 127.0.1.1 to 127.0.1.8\n"
         "  servobus-adapter --realtime 20 --lock-memory --cpu 1\n"
@@ -185,6 +219,15 @@ void override_with(const Arguments& arguments, Config& config) {
     if (arguments.axis) static_cast<void>(choose_axis(*arguments.axis, config));  // checked by parse()
     if (arguments.seed) config.seed = *arguments.seed;
     if (arguments.scenario) config.scenario = *arguments.scenario;
+    if (!arguments.allowed.empty()) {
+        config.allowed = {};
+        for (const auto& word : arguments.allowed) {  // checked by parse()
+            config.allowed.add(std::get<AllowList::Network>(AllowList::parse(word)));
+        }
+    }
+    config.protection.read_only |= arguments.read_only;
+    config.protection.harden |= arguments.harden;
+    if (arguments.access_log) config.access_log = *arguments.access_log;
 }
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
@@ -243,6 +286,7 @@ std::uint64_t unpredictable_seed() {
 struct Files {
     DeviceFiles device;
     Timetable scenario;
+    std::shared_ptr<AccessFile> access_log;  ///< null: there is none
 };
 
 // Nullopt, or the exit code.
@@ -261,6 +305,11 @@ std::optional<int> load_files(Config& config, Files& files) {
     if (!config.eds) files.device = generated_files(config);
     if (const auto code = load_device_file(config.eds, files.device.eds)) return code;
     if (const auto code = load_device_file(config.icon, files.device.icon)) return code;
+    if (config.access_log) {
+        auto file = AccessFile::open(*config.access_log);
+        if (const auto* reason = std::get_if<std::string>(&file)) return fail(wrong_usage, *reason);
+        files.access_log = std::make_shared<AccessFile>(std::get<AccessFile>(std::move(file)));
+    }
     if (!config.scenario) return std::nullopt;
     auto scenario = servobus::adapter::load_scenario(*config.scenario);
     if (const auto* error = std::get_if<FileError>(&scenario)) {
@@ -334,6 +383,19 @@ std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& conf
     return std::nullopt;
 }
 
+// The log takes what its level lets through; the file takes all, connections too, which the log tells in its own words.
+LineSink access_sink(const std::shared_ptr<spdlog::logger>& logger, LogLevel lowest,
+                     const std::shared_ptr<AccessFile>& file) {
+    const auto take = [logger, file](const LogLine& line) {
+        if (logger->should_log(to_spdlog(line.level))) {
+            logger->log(to_spdlog(line.level), servobus::adapter::to_text(line));
+        }
+        if (!file) return;
+        if (const auto reason = file->write(line, std::chrono::system_clock::now())) logger->error(*reason);
+    };
+    return {file ? LogLevel::trace : lowest, take};
+}
+
 // Twice as often as a light changes, so that it is seen to blink.
 void show_status(TargetServer& server, Fleet& fleet, const std::shared_ptr<servobus::adapter::TerminalSink>& terminal) {
     constexpr std::chrono::milliseconds interval{250};
@@ -355,6 +417,7 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     make_room_for_descriptors(config.limits, addresses.size(), *logger);
     const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
     Fleet fleet(config, addresses, unpredictable_seed(), log, files.device, files.scenario);
+    fleet.on_access(access_sink(logger, config.log_level, files.access_log));
     Control control(fleet[0].adapter, axis_of(config), addresses[0]);
     for (std::size_t i = 1; i < fleet.size(); ++i) control.add(fleet[i].adapter, addresses[i]);
     TargetServer server([&](const std::string& line) { logger->warn(line); });

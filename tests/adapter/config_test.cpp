@@ -40,6 +40,8 @@ TEST(Config, AnEmptyObjectIsTheDefault) {
     EXPECT_EQ(result.scenario, std::nullopt);
     EXPECT_EQ(result.limits.tcp_connections, Limits{}.tcp_connections);
     EXPECT_EQ(result.limits.inactivity, std::chrono::seconds(120));
+    EXPECT_EQ(result.allowed.size(), 0U);
+    EXPECT_FALSE(result.protection.read_only || result.protection.harden || result.access_log);
     EXPECT_TRUE(result.values.empty());
 }
 
@@ -49,6 +51,8 @@ TEST(Config, TakesEverySetting) {
         "axis": "linax-lxc-230f10", "seed": 9223372036854775807, "scenario": "night.json",
         "identity": {"serial_number": 4294967295, "major_revision": 127, "minor_revision": 255, "product_name": "Press 7"},
         "lost_controller": {"outputs": "off"},
+        "protection": {"allow": ["192.168.2.0/24", "10.0.0.5"], "read_only": true, "harden": true},
+        "access_log": "access.jsonl",
         "limits": {"tcp_connections": 1, "sessions": 2, "class3_connections": 0, "listening_connections": 3,
                    "inactivity_seconds": 3600},
         "values": {"SCurve": 50, "drive.Controlword": "0x1F", "ServoIdentificationString": "axis 1"}
@@ -66,6 +70,10 @@ TEST(Config, TakesEverySetting) {
     EXPECT_EQ(result.axis->key, "linax-lxc-230f10");
     EXPECT_EQ(result.seed, 9223372036854775807U);
     EXPECT_EQ(result.scenario, "night.json");
+    EXPECT_TRUE(result.allowed.permits(0x0A000005));
+    EXPECT_FALSE(result.allowed.permits(0x7F000001));
+    EXPECT_TRUE(result.protection.read_only && result.protection.harden);
+    EXPECT_EQ(result.access_log, "access.jsonl");
     EXPECT_EQ(result.serial_number, 4294967295U);
     EXPECT_EQ(result.major_revision, 127);
     EXPECT_EQ(result.minor_revision, 255);
@@ -129,9 +137,10 @@ INSTANTIATE_TEST_SUITE_P(
     Keys, WrongConfig,
     testing::Values(
         Wrong{"{\n  \"prot\": 1}",
-              "2:3: 'prot' is not a setting; here may stand: axis, bind, count, eds, icon, identity, "
+              "2:3: 'prot' is not a setting; here may stand: access_log, axis, bind, count, eds, icon, identity, "
               "io_port, "
-              "limits, log_level, lost_controller, motor, port, profiles, programs, scenario, seed, values, variant"},
+              "limits, log_level, lost_controller, motor, port, profiles, programs, protection, scenario, seed, "
+              "values, variant"},
         Wrong{"{\"identity\": {\"serial\": 1}}",
               "1:15: 'serial' is not a setting; here may stand: "
               "major_revision, minor_revision, product_name, serial_number"},
@@ -211,7 +220,13 @@ INSTANTIATE_TEST_SUITE_P(
               "1:13: 'ServoIdentificationString' holds at most 32 characters"},
         Wrong{"{\"values\": {\"ReferenceMethods\": 7}}",
               "1:13: 'ReferenceMethods' the value is inside the limits, but not one of the values that exist..."},
-        Wrong{"{\"values\": {\"Reserved\": 1}}", "1:13: 'Reserved' is no parameter; ..."}));
+        Wrong{"{\"values\": {\"Reserved\": 1}}", "1:13: 'Reserved' is no parameter; ..."},
+        Wrong{"{\"protection\": {\"allow\": \"10.0.0.0/8\"}}",
+              "1:17: 'allow' must be a list of networks such as \"192.168.2.0/24\""},
+        Wrong{"{\"protection\": {\"allow\": [\"10.0.0.1/8\"]}}",
+              "1:17: 'allow' is not sound: '10.0.0.1/8' has host bits; the network is 10.0.0.0/8"},
+        Wrong{"{\"protection\": {\"allow\": [5]}}", "1:17: 'allow' is not sound: '5' is no IPv4 network; ..."},
+        Wrong{"{\"protection\": {\"readonly\": true}}", "1:17: 'readonly' is not a setting; ..."}));
 
 TEST(Config, ProgramsAndProfilesAreTheDrives) {
     const auto result = config(R"({"programs": {"7": ["REF", "G -5000", "WT 20"]},

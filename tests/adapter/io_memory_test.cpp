@@ -85,5 +85,33 @@ INSTANTIATE_TEST_SUITE_P(Io, IoMemory,
                                          Setting{"Machine101", true, 101}, Setting{"Machine112", true, 112}),
                          [](const auto& each) { return each.param.name; });
 
+// What is not told to anybody is not written for anybody: a read in no case, a change only where somebody wants it.
+TEST(AccessMemory, WhatNobodyWantsToKnowAsksForNone) {
+    IoSite site;
+    IoPeer peer(site);
+    const auto cost = [&](std::string_view request, std::string_view reply) {
+        const auto message = octets(request);
+        EXPECT_EQ(peer.call(message), hex(reply));
+        const auto before = allocations();
+        for (int i = 0; i < 10; ++i) static_cast<void>(peer.ask(message));
+        return allocations() - before;
+    };
+    const auto read = [&] { return cost("0E 03 20 64 24 01 30 00", "8E 00 00 00 14 00 00 00"); };
+    const auto change = [&] { return cost("10 03 20 66 24 01 30 25 D1 07 00 00", "90 00 00 00"); };
+    const auto plain_read = read();
+    const auto plain_change = change();
+    std::size_t lines = 0;
+    site.adapter.on_access({adapter::LogLevel::warning, [&](const adapter::LogLine&) { ++lines; }});
+    EXPECT_EQ(change(), plain_change) << "changes are info";
+    site.adapter.on_access({adapter::LogLevel::trace, [&](const adapter::LogLine&) { ++lines; }});
+    EXPECT_GT(change(), plain_change) << "somebody counts";
+    EXPECT_GT(lines, 0U);
+    const auto before = lines;
+    EXPECT_EQ(read(), plain_read);
+    site.adapter.protect({.read_only = true, .harden = true});
+    EXPECT_EQ(read(), plain_read);
+    EXPECT_EQ(lines, before);
+}
+
 }  // namespace
 }  // namespace servobus::test

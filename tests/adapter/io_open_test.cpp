@@ -614,9 +614,9 @@ TEST(IoOpen, R_CON_13_TheReplyOfEachConnectionOctetByOctet) {
             EXPECT_NE(o_to_t, t_to_o);
             EXPECT_EQ(t_to_o == open.t_to_o_id, points.o_to_t != 255)
                 << "R-CON-16: the originator's, but for multicast";
-            EXPECT_EQ(site.log.back().level, adapter::LogLevel::info);
-            EXPECT_THAT(site.log.back().text, HasSubstr(fmt::format("{}/{} of 192.168.2.1 open: O->T every 20000 us",
-                                                                    points.o_to_t, points.t_to_o)));
+            EXPECT_THAT(
+                site.last_line(adapter::LogLevel::info),
+                HasSubstr(fmt::format("{}/{} of 192.168.2.1 open: O->T every 20000 us", points.o_to_t, points.t_to_o)));
         }
     }
 }

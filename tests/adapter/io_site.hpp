@@ -103,12 +103,13 @@ public:
         return std::get<std::int64_t>(device.store().value(*rows.front()));
     }
     std::uint16_t counter(adapter::Counter which) const { return adapter.connection_manager().counter(which); }
-    std::string last_warning() const {
+    std::string last_line(adapter::LogLevel level) const {
         for (auto line = log.rbegin(); line != log.rend(); ++line) {
-            if (line->level == adapter::LogLevel::warning) return line->text;
+            if (line->level == level) return line->text;
         }
         return "";
     }
+    std::string last_warning() const { return last_line(adapter::LogLevel::warning); }
 
     drive::Device device;
     std::vector<Line> log;

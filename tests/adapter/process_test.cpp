@@ -4,10 +4,14 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -33,7 +37,8 @@ using testing::StartsWith;
 /// One run of the program. It is killed and reaped with this object, if it has not ended before.
 class Program {
 public:
-    explicit Program(std::vector<std::string> arguments) {
+    /// `terminal` takes the place of stderr, which errors() then does not tell.
+    explicit Program(std::vector<std::string> arguments, int terminal = -1) {
         std::array<int, 2> in{};
         std::array<int, 2> out{};
         std::array<int, 2> err{};
@@ -44,7 +49,7 @@ public:
         ::posix_spawn_file_actions_init(&actions);
         ::posix_spawn_file_actions_adddup2(&actions, in[0], STDIN_FILENO);
         ::posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
-        ::posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
+        ::posix_spawn_file_actions_adddup2(&actions, terminal >= 0 ? terminal : err[1], STDERR_FILENO);
         arguments.insert(arguments.begin(), SERVOBUS_BIN_DIR "/servobus-adapter");
         std::vector<char*> words;
         for (auto& word : arguments) words.push_back(word.data());
@@ -399,6 +404,186 @@ TEST(Process, FaultsReachItsSockets) {
     EXPECT_EQ(hex(client.call(request)), reply) << "the answer to the second one";
     control(R"({"event": "restart", "seconds": 0})");
     EXPECT_TRUE(client.closed_by_peer());
+}
+
+TEST_F(ProcessWithConfig, AnAccessIsALineOfTheLogAndALineOfJson) {
+    const auto path = (directory_ / "access.jsonl").string();
+    for (int run = 0; run < 2; ++run) {  // the second adds to the file
+        Program program({"--port", "0", "--read-only", "--access-log", path});
+        TcpClient client(port_in(program.first_line()));
+        ASSERT_TRUE(client.register_session());
+        EXPECT_EQ(hex(client.call(octets("10 03 20 64 24 01 30 00 32 00 00 00"))), hex("90 00 0F 00"));
+        EXPECT_EQ(hex(client.call(octets("0E 03 20 64 24 01 30 00"))), hex("8E 00 00 00 14 00 00 00"));
+        program.signal(SIGTERM);
+        EXPECT_EQ(program.wait(), 0);
+        EXPECT_THAT(program.errors(),
+                    testing::ContainsRegex("warning: access refused peer=127.0.0.1:[0-9]+ session=0x[0-9A-F]+ "
+                                           "via=unconnected service=Set_Attribute_Single .* name=general.SCurve "));
+    }
+    std::ifstream file(path);
+    std::string line;
+    int lines = 0;
+    for (; std::getline(file, line); ++lines) {
+        const auto object = nlohmann::json::parse(line, nullptr, false);
+        ASSERT_TRUE(object.is_object()) << line;
+        EXPECT_EQ(object["event"], "access refused");
+        EXPECT_EQ(object["level"], "warning");
+        EXPECT_EQ(object["name"], "general.SCurve");
+        EXPECT_EQ(object["value"], "32 00 00 00");
+        EXPECT_EQ(object["result"], "0x0F privilege violation");
+        EXPECT_EQ(object["why"], "the drive is read-only");
+        EXPECT_THAT(object["time"].get<std::string>(), MatchesRegex("20[0-9-]+T[0-9:]+\\.[0-9][0-9][0-9]Z"));
+    }
+    EXPECT_EQ(lines, 2);
+    const auto permissions = std::filesystem::status(path).permissions();
+    EXPECT_EQ(permissions, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    const auto refused = run({"--port", "0", "--access-log", (directory_ / "none" / "x").string()});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.errors, HasSubstr("none/x: cannot be written: No such file or directory\n"));
+}
+
+TEST_F(ProcessWithConfig, ProtectionComesFromTheFileToo) {
+    const Program program({"--config", file(R"({"port": 0, "protection": {"harden": true, "allow": ["127.0.0.1"]}})")});
+    TcpClient client(port_in(program.first_line()));
+    ASSERT_TRUE(client.register_session());
+    EXPECT_EQ(hex(client.call(octets("05 02 20 01 24 01 00"))), hex("85 00 0F 00"));
+    EXPECT_EQ(hex(client.call(octets("10 03 20 64 24 01 30 00 32 00 00 00"))), hex("90 00 00 00"));
+}
+
+TEST(Process, OfManyDrivesALineSaysWhich) {
+    Program program({"--bind", "127.0.44.1", "--count", "2", "--port", "0", "--ready-json"});
+    const auto ready = nlohmann::json::parse(program.first_line(), nullptr, false);
+    ASSERT_TRUE(ready.is_object());
+    TcpClient client(ready["drives"][1]["port"].get<std::uint16_t>(), 0, 0x7F002C02);
+    ASSERT_TRUE(client.register_session());
+    EXPECT_EQ(hex(client.call(octets("10 03 20 64 24 01 30 00 32 00 00 00"))), hex("90 00 00 00"));
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_THAT(program.errors(), HasSubstr("info: access granted drive=127.0.44.2 peer=127.0.0.1:"));
+}
+
+TEST(Process, WhoIsNotAllowedIsClosedAtOnce) {
+    Program program({"--port", "0", "--allow", "192.0.2.0/24", "198.51.100.7"});
+    TcpClient client(port_in(program.first_line()));
+    EXPECT_TRUE(client.closed_by_peer()) << "loopback too";
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_THAT(program.errors(), HasSubstr("warning: stranger refused peer=127.0.0.1:"));
+
+    const Program open({"--port", "0", "--allow", "192.0.2.0/24", "--allow", "127.0.0.0/8"});
+    TcpClient permitted(port_in(open.first_line()));
+    EXPECT_TRUE(permitted.register_session());
+
+    const auto wrong = run({"--port", "0", "--allow", "192.0.2.1/24"});
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_TRUE(is_one_line(wrong.errors)) << wrong.errors;
+    EXPECT_THAT(wrong.errors, HasSubstr("'192.0.2.1/24' has host bits; the network is 192.0.2.0/24"));
+}
+
+/// A terminal, and what stands on it.
+class Screen {
+public:
+    Screen() : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+        if (master_ < 0 || ::grantpt(master_) != 0 || ::unlockpt(master_) != 0) return;
+        winsize size{};
+        size.ws_row = 24;
+        size.ws_col = columns;
+        ::ioctl(master_, TIOCSWINSZ, &size);
+        slave_ = ::open(::ptsname(master_), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    }
+    ~Screen() {
+        ::close(master_);
+        ::close(slave_);
+    }
+    Screen(const Screen&) = delete;
+    Screen& operator=(const Screen&) = delete;
+
+    int terminal() const { return slave_; }
+    /// Reads until the text has been written somewhere, at most for the usual patience.
+    bool wait_for(const std::string& text) {
+        for (const auto end = Clock::now() + patience; Clock::now() < end;) {
+            if (written_.find(text) != std::string::npos) return true;
+            read_some();
+        }
+        return false;
+    }
+    void read_some() {
+        pollfd entry{master_, POLLIN, 0};
+        std::array<char, 4096> part{};
+        if (::poll(&entry, 1, 100) <= 0) return;
+        const auto size = ::read(master_, part.data(), part.size());
+        if (size > 0) written_.append(part.data(), static_cast<std::size_t>(size));
+    }
+    /// The lines as a person sees them; the last is the one with the cursor.
+    std::vector<std::string> lines() const {
+        std::vector<std::string> all(1);
+        std::size_t column = 0;
+        for (std::size_t i = 0; i < written_.size(); ++i) {
+            auto& line = all.back();
+            if (written_[i] == '\n') {
+                all.emplace_back();
+                column = 0;
+            } else if (written_[i] == '\r') {
+                column = 0;
+            } else if (written_.compare(i, 3, "\x1b[K") == 0) {
+                line.resize(std::min(line.size(), column));
+                i += 2;
+            } else {
+                line.resize(std::max(line.size(), column + 1), ' ');
+                line[column++] = written_[i];
+            }
+        }
+        return all;
+    }
+    static constexpr unsigned short columns = 60;
+
+private:
+    int master_;
+    int slave_ = -1;
+    std::string written_;
+};
+
+TEST(Process, AStatusLineStaysBelowTheLog) {
+    Screen screen;
+    ASSERT_GE(screen.terminal(), 0);
+    Program program({"--port", "0", "--status-line"}, screen.terminal());
+    const auto port = port_in(program.first_line());
+    ASSERT_TRUE(screen.wait_for("RUN - ERR")) << "it blinks";
+    ASSERT_TRUE(screen.wait_for("RUN * ERR"));
+    {
+        TcpClient client(port);
+        ASSERT_TRUE(client.register_session());
+        EXPECT_EQ(hex(client.call(octets("10 03 20 64 24 01 30 00 00 00 00 00"))), hex("90 00 09 00"));
+        ASSERT_TRUE(client.open_class3());
+        ASSERT_TRUE(screen.wait_for("1 class 3"));
+        for (const auto& line : screen.lines()) {
+            const bool is_status = line.starts_with("RUN ");
+            EXPECT_TRUE(is_status || line.empty() || std::isdigit(static_cast<unsigned char>(line[0]))) << line;
+            EXPECT_TRUE(!is_status || line.size() < Screen::columns) << "it must not go on in the next line";
+        }
+        EXPECT_THAT(screen.lines().back(), StartsWith("RUN * ERR - ST1 - ST2 - | no owner | 0 I/O, 1 class 3"));
+        EXPECT_THAT(screen.lines(),
+                    testing::Contains(testing::ContainsRegex("^[0-9:.]+ warning: access refused peer=.* "
+                                                             "result=\"0x09 invalid attribute value\"$")));
+    }
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    ASSERT_TRUE(screen.wait_for("are closed"));
+    screen.read_some();
+    EXPECT_EQ(screen.lines().back(), "") << "nothing of it is left";
+    EXPECT_EQ(std::ranges::count_if(screen.lines(), [](const auto& line) { return line.starts_with("RUN"); }), 0);
+}
+
+TEST(Process, WithoutATerminalThereIsNoStatusLine) {
+    Program program({"--port", "0", "--status-line"});
+    ASSERT_NE(port_in(program.first_line()), 0);
+    std::this_thread::sleep_for(300ms);  // it would have been written by now
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_THAT(program.errors(), testing::Not(HasSubstr("RUN")));
+    const auto both = run({"--port", "0", "--status-line", "--control", "-"});
+    EXPECT_EQ(both.code, 2);
+    EXPECT_THAT(both.errors, HasSubstr("want the same terminal"));
 }
 
 TEST(Process, WithoutControlStandardInputIsLeftAlone) {

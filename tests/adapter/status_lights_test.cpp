@@ -11,9 +11,11 @@
 namespace servobus::test {
 namespace {
 
+using adapter::is_lit;
 using adapter::Light;
 using adapter::LightMode;
 using adapter::ModuleState;
+using adapter::status_lights;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -146,6 +148,24 @@ TEST(LightsOfADrive, ErrIsOnInAFaultAndOffWhenItIsReset) {
     EXPECT_EQ(set_controlword("80 00"), "90 00 00 00");
     site.advance(100ms);
     EXPECT_EQ(modes(site.adapter.lights()), "blink off off off");
+}
+
+// R-LED-2 and 0xF5/1/1.
+TEST(LightsOfADrive, FollowTheStatusOfTheAddress) {
+    IoSite site;
+    auto& address = site.adapter.network().state.address;
+    address = {.configured = false};
+    EXPECT_EQ(modes(site.adapter.lights()), "off off off off") << "init process: it looks for an address";
+    address = {.configured = false, .without_address = true};
+    EXPECT_EQ(modes(site.adapter.lights()), "blink blink off off") << "a conflict ends the search";
+    address = {.configured = true, .conflict = true};
+    EXPECT_EQ(modes(site.adapter.lights()), "blink blink off off");
+    address = {};
+    EXPECT_EQ(modes(site.adapter.lights()), "blink off off off");
+    address.conflict = true;
+    site.tick();
+    EXPECT_EQ(site.log.back().text, "light ERR: blink, IPv4 address conflict detected");
+    EXPECT_EQ(site.log.back().level, adapter::LogLevel::info);
 }
 
 TEST(LightsOfADrive, AreDarkWithoutPower) {
