@@ -13,6 +13,7 @@
 #include "adapter/ethernet_link_object.hpp"
 #include "adapter/event_words.hpp"
 #include "adapter/file_object.hpp"
+#include "adapter/forward_open_checks.hpp"
 #include "adapter/parameter_object.hpp"
 #include "adapter/port_object.hpp"
 #include "adapter/qos_object.hpp"
@@ -33,6 +34,14 @@ constexpr std::chrono::milliseconds reply_pause{100};
 constexpr std::size_t held_octets = std::size_t{16} * 1024;
 // Replies of one TCP connection that are late on purpose; more are not sent.
 constexpr std::size_t late_replies = 1024;
+
+// What the drives of the maker come with is not printed.
+constexpr FirmwareVersion first_firmware{1, 0};
+
+// Bits 4 to 7 of Identity's status word, and what they say during a download (R-ID-4).
+constexpr unsigned extended_status_shift = 4;
+constexpr unsigned extended_status_mask = 0xF << extended_status_shift;
+constexpr unsigned firmware_update = 1;
 
 // Shortly before an I/O datagram is due, requests are answered one at a time, so that it does not wait for a whole turn.
 constexpr std::chrono::microseconds io_comes_first{100};
@@ -107,6 +116,8 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
       log_(std::move(log)),
       random_(seed),
       sessions_(limits.sessions, random_()),
+      firmware_(device.identity().product_code,
+                {first_firmware, {device.identity().major_revision, device.identity().minor_revision}}),
       gate_(device, access_log_,
             {.owned = [this]() -> const assemblies::Layout* {
                  const auto* owner = io().owner();
@@ -131,10 +142,12 @@ void Adapter::build_objects() {
         [this](ResetType type, enip::Time now) {
             const auto* owner = io().owner();
             if (owner != nullptr && owner->consumer.run()) return cip::GeneralStatus::device_state_conflict;  // R-ID-8
+            if (firmware_.is_downloading())
+                return cip::GeneralStatus::device_state_conflict;  // it would end in factory mode
             if (!reset_) reset_ = Reset{type, now + reply_pause};  // asking again does not put it off
             return cip::GeneralStatus::success;
         },
-        [this] { return io().identity_status(); });
+        [this] { return present(); });
     identity_ = identity.get();
     router_.add(std::move(identity));
     auto assembly = std::make_unique<AssemblyObject>(device_);
@@ -157,7 +170,7 @@ void Adapter::build_objects() {
     auto manager = std::make_unique<ConnectionManager>(router_, node_identity(device_.identity()), *drive_io_, network_,
                                                        limits_, static_cast<std::uint16_t>(random_()), log_);
     manager_ = manager.get();
-    manager_->refuse_opens([this] { return faults_.refuse_open(); });
+    manager_->refuse_opens([this](const cip::ForwardOpen& open) { return refuse_open(open); });
     manager_->tell_resources([this] { return resources(); });
     router_.add(std::move(manager));
     std::set<std::uint16_t> classes;
@@ -181,9 +194,27 @@ Resources Adapter::resources() const {
             .buffer_space = octets(all - std::min(all, waiting))};
 }
 
+IdentityObject::Present Adapter::present() const {
+    const auto status = io().identity_status();
+    if (!firmware_.is_downloading()) return {.status = status};
+    const auto others = status & ~extended_status_mask;
+    return {.status = static_cast<std::uint16_t>(others | firmware_update << extended_status_shift),
+            .state = IdentityState::standby};
+}
+
+std::optional<OpenRefusal> Adapter::refuse_open(const cip::ForwardOpen& open) {
+    if (auto status = faults_.refuse_open()) return OpenRefusal{*std::move(status), "as the scenario wants it"};
+    if (firmware_.is_downloading() && open.transport.transport_class != explicit_class) {
+        return OpenRefusal{cip::GeneralStatus::device_state_conflict, "a download of firmware is in progress"};
+    }
+    return std::nullopt;
+}
+
 std::optional<Adapter::ConnectionId> Adapter::on_open(enip::Endpoint peer, enip::Endpoint local, enip::Time now) {
     advance(now);
-    if (faults_.is_down() || is_stranger(peer, strangers_.connections, "TCP connection", now)) return std::nullopt;
+    if (faults_.is_down() || firmware_.is_in_factory_mode() ||
+        is_stranger(peer, strangers_.connections, "TCP connection", now))
+        return std::nullopt;
     const bool refused = !make_room();
     if (refused && limits_.refusals == 0) return std::nullopt;
     auto connection = std::make_unique<Connection>();
@@ -507,7 +538,7 @@ void Adapter::on_closed(ConnectionId id, enip::Time) {
 void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadcast, cip::ByteView octets,
                           enip::Time now) {
     faults_.advance(now);
-    if (faults_.is_silent() || is_stranger(peer, strangers_.requests, "UDP request", now)) return;
+    if (is_mute() || is_stranger(peer, strangers_.requests, "UDP request", now)) return;
     const auto request = Frame::parse(octets);
     if (!request || request->status != EncapsulationStatus::success || request->options != 0) return;
     if (request->command == Command::nop) return;
@@ -527,7 +558,7 @@ void Adapter::on_datagram(enip::Endpoint peer, enip::Endpoint local, bool broadc
 
 void Adapter::on_io(enip::Endpoint peer, enip::Endpoint, cip::ByteView octets, enip::Time now) {
     advance(now);
-    if (is_stranger(peer, strangers_.datagrams, "I/O datagram", now)) return;
+    if (firmware_.is_in_factory_mode() || is_stranger(peer, strangers_.datagrams, "I/O datagram", now)) return;
     const auto bus_time = faults_.bus_time(now);
     if (faults_.filter_in(peer, octets, now)) manager_->io().on_datagram(peer, octets, bus_time);
     take_late_io(now);
@@ -584,7 +615,7 @@ void Adapter::on_timer(enip::Time now) {
     produce(now);
     std::erase_if(delayed_, [&](DelayedReply& reply) {
         if (reply.due > now) return false;
-        if (!faults_.is_silent()) datagrams_.push_back(std::move(reply.datagram));
+        if (!is_mute()) datagrams_.push_back(std::move(reply.datagram));
         return true;
     });
     for (auto& [id, connection] : connections_) {
@@ -604,6 +635,7 @@ void Adapter::on_timer(enip::Time now) {
 std::optional<enip::Time> Adapter::next_deadline() const {
     auto next = faults_.next_deadline();
     take_earlier(next, access_log_.next_deadline());
+    take_earlier(next, firmware_.next_deadline());
     if (!faults_.is_frozen()) {
         if (const auto bus_time = manager_->next_deadline()) {
             take_earlier(next, std::optional(faults_.true_time(*bus_time)));
@@ -635,7 +667,7 @@ void Adapter::reset(enip::Time now) {
         defaults.last_conflict = network_.settings.last_conflict;
         network_.settings = defaults;
     }
-    build_objects();
+    start_firmware();
     apply_address();
     if (restart_) {
         restart_(type);
@@ -677,6 +709,7 @@ void Adapter::advance(enip::Time now) {
     device_.step(time);
     faults_.advance(now);
     file_object_->on_time(faults_.bus_time(now));
+    advance_firmware(now);
     drive_io_->set_epoch(epoch_ + std::chrono::duration_cast<std::chrono::microseconds>(faults_.frozen()));
     take_held_octets(now);
 }
@@ -694,6 +727,7 @@ bool Adapter::inject(const Happening& event, enip::Time now) {
 drive::Time Adapter::elapsed(enip::Time now) const { return playback_.elapsed(to_drive(now)); }
 
 bool Adapter::apply(const Happening& event, enip::Time now) {
+    advance_firmware(now);  // what is written by now is there also when the power goes
     log_(LogLevel::info, fmt::format("event: {}", describe(event)));
     if (const auto* fault = std::get_if<NetworkFault>(&event)) return begin(*fault, now);
     const auto& machine = std::get<drive::Event>(event);
@@ -725,8 +759,61 @@ bool Adapter::begin(const NetworkFault& fault, enip::Time now) {
 void Adapter::restart_by_power() {
     reset_.reset();  // what a Reset asked for has happened
     shut_down();
-    build_objects();
+    start_firmware();
     apply_address();
+}
+
+// The flash has been written up to now.
+void Adapter::advance_firmware(enip::Time now) {
+    if (!firmware_.is_downloading()) return;
+    firmware_.advance(now);
+    if (firmware_.is_downloading()) return;
+    log_(LogLevel::info, fmt::format("firmware {} is in the flash; it runs after power off and on",
+                                     to_string(firmware_.snapshot().release.version)));
+}
+
+// What is in the flash now speaks to the bus, and nothing that it remembered is left.
+void Adapter::start_firmware() {
+    const auto before = firmware_.running();
+    firmware_.power_cycle();
+    if (const auto& now = firmware_.running()) {
+        device_.set_revision(now->revision.major, now->revision.minor);
+        router_.set_node(node_identity(device_.identity()));
+        if (now != before) {
+            log_(LogLevel::info, fmt::format("firmware {} runs, revision {}.{}", to_string(now->version),
+                                             now->revision.major, now->revision.minor));
+        }
+    } else {
+        log_(LogLevel::warning,
+             fmt::format("factory mode: the flash has no whole {}; nothing is answered until there is an image",
+                         firmware_.has_bit_stream() ? "firmware" : "bit stream"));
+    }
+    build_objects();
+}
+
+std::optional<std::string> Adapter::download(const FlashImage& image, enip::Time now) {
+    advance(now);
+    const auto* owner = io().owner();
+    if (owner != nullptr && owner->consumer.run())
+        return "an owner runs the drive; it has to go to idle or close first";
+    if (auto wrong = firmware_.download(image, now)) return wrong;
+    log_(LogLevel::info, fmt::format("download of firmware {} begins, {} octets", to_string(image.version),
+                                     image.bit_stream_octets + image.firmware_octets));
+    note_lights();
+    return std::nullopt;
+}
+
+std::optional<std::string> Adapter::install(const FlashImage& image) {
+    if (auto wrong = firmware_.install(image)) return wrong;
+    start_firmware();
+    shown_ = module_state();
+    return std::nullopt;
+}
+
+void Adapter::restore_firmware(const FirmwareUnit::Flash& flash) {
+    firmware_.restore(flash);
+    start_firmware();
+    shown_ = module_state();
 }
 
 ModuleState Adapter::module_state() const {
@@ -740,7 +827,10 @@ ModuleState Adapter::module_state() const {
             .initialising = !address.configured && !conflict,
             .connected = io().size() + class3_connections() > 0,
             .address_conflict = conflict,
-            .fault = word != nullptr && (*word & fault_bit) != 0};
+            .fault = word != nullptr && (*word & fault_bit) != 0,
+            .factory_mode = firmware_.is_in_factory_mode(),
+            .valid_bit_stream = firmware_.has_bit_stream(),
+            .download = firmware_.is_downloading()};
 }
 
 // Connections have lines of their own in the log, so that RUN is for those who look closely.

@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -25,6 +26,7 @@
 #include "adapter/connection_manager.hpp"
 #include "adapter/device_files.hpp"
 #include "adapter/drive_io.hpp"
+#include "adapter/firmware_unit.hpp"
 #include "adapter/identity_object.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
@@ -81,6 +83,15 @@ public:
     void on_address_change(std::function<void()> change) { change_address_ = std::move(change); }
     /// All connections end, class 1 too, because the device gives its address up.
     void give_address_up();
+
+    /// The firmware of the module. A download begins, or why it does not: a clause. What it has written runs after the next
+    /// power cycle or reset. The server has to look at next_deadline() afterwards.
+    [[nodiscard]] std::optional<std::string> download(const FlashImage& image, enip::Time now);
+    /// The image as if it had been there at power-on, or why not; before anybody is served.
+    [[nodiscard]] std::optional<std::string> install(const FlashImage& image);
+    /// Powers up with what a FirmwareUnit::snapshot() has kept; before anybody is served.
+    void restore_firmware(const FirmwareUnit::Flash& flash);
+    [[nodiscard]] const FirmwareUnit& firmware() const { return firmware_; }
 
     /// Who may do what from now on.
     void protect(Protection protection) { gate_.protect(protection); }
@@ -147,6 +158,12 @@ private:
 
     void build_objects();
     [[nodiscard]] Resources resources() const;
+    [[nodiscard]] IdentityObject::Present present() const;
+    [[nodiscard]] std::optional<OpenRefusal> refuse_open(const cip::ForwardOpen& open);
+    void advance_firmware(enip::Time now);
+    void start_firmware();
+    /// In factory mode nobody speaks EtherNet/IP.
+    [[nodiscard]] bool is_mute() const { return faults_.is_silent() || firmware_.is_in_factory_mode(); }
     [[nodiscard]] bool make_room();
     [[nodiscard]] Connection* longest_silent(const std::function<bool(const Connection&)>& condition) const;
     void expire(Connection& connection);
@@ -187,6 +204,7 @@ private:
     Log log_;
     std::mt19937_64 random_;
     SessionTable sessions_;
+    FirmwareUnit firmware_;
     AccessLog access_log_;
     AccessGate gate_;
     AllowList allowed_;

@@ -192,6 +192,7 @@ std::optional<FileError> read_members(const JsonDocument& document, Config& conf
         {"scenario", text(config.scenario)},
         {"eds", text(config.eds)},
         {"icon", text(config.icon)},
+        {"flash", text(config.flash)},
         {"identity", section("identity",
                              [&](const json& value, const std::string& pointer) {
                                  return walk.object(value, pointer, identity_setters(config));

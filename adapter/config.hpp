@@ -45,6 +45,8 @@ struct Config {
     /// directory. With an EDS of somebody's own there is no icon but a configured one.
     std::optional<std::string> eds{};
     std::optional<std::string> icon{};
+    /// The firmware image that is in the flash at power-on; a path relative to the working directory.
+    std::optional<std::string> flash{};
     /// What happens to the drive while the program runs: the file that parse_scenario() reads.
     std::optional<std::string> scenario{};
     /// What parameters hold after power-up instead of their printed defaults, whatever their access.

@@ -241,7 +241,7 @@ cip::Response ConnectionManager::forward_open(const cip::RequestView& request, c
 // The order of R-CON-15.
 OpenResult<cip::ForwardOpenReply> ConnectionManager::admit(const cip::ForwardOpen& open, const cip::Origin& origin) {
     if (refuse_) {
-        if (auto status = refuse_()) return OpenRefusal{*std::move(status), "as the scenario wants it"};
+        if (auto refusal = refuse_(open)) return *std::move(refusal);
     }
     if (is_null(open)) {
         return OpenRefusal{cip::ConnectionFailure::null_forward_open_not_supported,

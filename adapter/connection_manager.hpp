@@ -73,8 +73,9 @@ public:
     void on_timer(cip::Time now, enip::IoQueue& queue);
     [[nodiscard]] std::optional<cip::Time> next_deadline() const;
 
-    /// Asked before each open: a status here refuses it, whatever it asks for. For tests of originators.
-    void refuse_opens(std::function<std::optional<cip::Status>()> refuse) { refuse_ = std::move(refuse); }
+    /// Asked before each open, whatever it asks for: for tests of originators, and for a device that takes none now.
+    using RefuseOpen = std::function<std::optional<OpenRefusal>(const cip::ForwardOpen&)>;
+    void refuse_opens(RefuseOpen refuse) { refuse_ = std::move(refuse); }
 
     /// Asked for attributes 11 to 13.
     void tell_resources(std::function<Resources()> resources) { resources_ = std::move(resources); }
@@ -109,7 +110,7 @@ private:
     ConnectionIds ids_;
     ExplicitConnections explicit_;
     IoConnections io_;
-    std::function<std::optional<cip::Status>()> refuse_;
+    RefuseOpen refuse_;
     std::function<Resources()> resources_ = [] { return Resources{}; };
     std::array<std::uint16_t, connection_counters> counters_{};
 };

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "adapter/event_json.hpp"
+#include "adapter/flash_file.hpp"
 #include "adapter/status_lights.hpp"
 #include "drive/ds402.hpp"
 
@@ -20,15 +21,17 @@ namespace {
 using Answer = nlohmann::ordered_json;
 using nlohmann::json;
 
-enum class Query : std::uint8_t { state, axis, connections, counters, lights };
-constexpr std::array<std::pair<std::string_view, Query>, 5> queries{{{"state", Query::state},
+enum class Query : std::uint8_t { state, axis, connections, counters, lights, firmware };
+constexpr std::array<std::pair<std::string_view, Query>, 6> queries{{{"state", Query::state},
                                                                      {"axis", Query::axis},
                                                                      {"connections", Query::connections},
                                                                      {"counters", Query::counters},
-                                                                     {"lights", Query::lights}}};
+                                                                     {"lights", Query::lights},
+                                                                     {"firmware", Query::firmware}}};
 
-enum class Command : std::uint8_t { stop };
-constexpr std::array<std::pair<std::string_view, Command>, 1> commands{{{"stop", Command::stop}}};
+enum class Command : std::uint8_t { stop, download };
+constexpr std::array<std::pair<std::string_view, Command>, 2> commands{
+    {{"stop", Command::stop}, {"download", Command::download}}};
 
 // Where the table has what {"query": "state"} tells.
 constexpr drive::Key status_word{0x66, 0x01};
@@ -223,6 +226,28 @@ Answer lights_of(const Adapter& adapter, enip::Time now) {
     return answer;
 }
 
+Answer members_of(const FirmwareUnit::Release& release) {
+    return {{"version", to_string(release.version)},
+            {"revision", fmt::format("{}.{}", release.revision.major, release.revision.minor)}};
+}
+
+Answer firmware_of(const Adapter& adapter) {
+    const auto& firmware = adapter.firmware();
+    const auto& installed = firmware.running();
+    const auto pending = firmware.pending();
+    Answer answer{{"ok", true},
+                  {"mode", firmware.is_in_factory_mode() ? "factory" : "application"},
+                  {"installed", installed ? members_of(*installed) : Answer(nullptr)},
+                  {"pending", pending ? members_of(*pending) : Answer(nullptr)},
+                  {"download", nullptr}};
+    if (const auto download = firmware.download_in_progress()) {
+        answer["download"] = members_of(download->release);
+        answer["download"]["written"] = download->written;
+        answer["download"]["octets"] = download->octets;
+    }
+    return answer;
+}
+
 std::string tell(Adapter& adapter, Query query, const drive::AxisKind& axis, enip::Time now) {
     adapter.advance(now);
     switch (query) {
@@ -236,6 +261,8 @@ std::string tell(Adapter& adapter, Query query, const drive::AxisKind& axis, eni
             return text_of(counters_of(adapter));
         case Query::lights:
             return text_of(lights_of(adapter, now));
+        case Query::firmware:
+            return text_of(firmware_of(adapter));
     }
     return {};
 }
@@ -250,6 +277,15 @@ std::string happen(Adapter& adapter, const Happening& event, enip::Time now) {
     return text_of({{"ok", true}});
 }
 
+std::string download(Adapter& adapter, const std::string& file, enip::Time now) {
+    const auto image = load_flash(file);
+    if (const auto* reason = std::get_if<std::string>(&image)) return control_error(*reason);
+    if (const auto reason = adapter.download(std::get<FlashImage>(image), now)) {
+        return control_error(fmt::format("{}: {}", file, *reason));
+    }
+    return text_of({{"ok", true}});
+}
+
 }  // namespace
 
 std::string control_error(std::string_view reason) { return text_of({{"ok", false}, {"error", reason}}); }
@@ -258,6 +294,30 @@ std::vector<std::pair<std::string_view, Adapter*>> Control::names() const {
     std::vector<std::pair<std::string_view, Adapter*>> pairs;
     for (const auto& drive : drives_) pairs.emplace_back(drive.address, drive.adapter);
     return pairs;
+}
+
+// Each command has members of its own.
+std::string Control::obey(const JsonDocument& document, enip::Time now) {
+    const Walk walk(document);
+    auto command = Command::stop;
+    const auto is_command = one_of(command, commands);
+    if (const auto reason = is_command(document.root["command"]); !reason.empty()) {
+        return refusal(walk.error("", "command", reason));
+    }
+    Setters setters{{"command", is_command}};
+    if (command == Command::stop) {
+        if (const auto error = walk.object(document.root, "", setters)) return refusal(*error);
+        if (!stop_) return control_error("nothing here can be stopped");
+        stop_();
+        return text_of({{"ok", true}});
+    }
+    const auto drives = names();
+    auto* adapter = drives.front().second;
+    std::string file;
+    setters.emplace("drive", one_of(adapter, drives));
+    setters.emplace("file", text(file));
+    if (const auto error = walk.object(document.root, "", setters, {"file"})) return refusal(*error);
+    return download(*adapter, file, now);
 }
 
 std::string Control::answer(std::string_view line, enip::Time now) {
@@ -277,13 +337,7 @@ std::string Control::answer(std::string_view line, enip::Time now) {
         return tell(*adapter, query, axis_, now);
     }
     if (document.root.contains("command")) {
-        auto command = Command::stop;
-        if (const auto error = walk.object(document.root, "", {{"command", one_of(command, commands)}})) {
-            return refusal(*error);
-        }
-        if (!stop_) return control_error("nothing here can be stopped");
-        stop_();
-        return text_of({{"ok", true}});
+        return obey(document, now);
     }
     const auto event = read_event(document, "", document.root, {.setters = {{"drive", which_drive}}});
     if (const auto* error = std::get_if<FileError>(&event)) return refusal(*error);

@@ -4,6 +4,7 @@
 //     {"event": "put-obstacle"}                       {"ok":false,"error":"column 1: 'position' is missing"}
 //     {"query": "state"}                              {"ok":true,"state":"Operation enabled","position":40000,...}
 //     {"command": "stop"}                             {"ok":true}, and the program ends
+//     {"command": "download", "file": "x.flash"}      {"ok":true}, and the lights tell the rest
 #pragma once
 
 #include <functional>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "adapter/adapter.hpp"
+#include "adapter/json_document.hpp"
 #include "drive/axis_kind.hpp"
 #include "enip/target.hpp"
 
@@ -39,6 +41,7 @@ private:
     };
 
     [[nodiscard]] std::vector<std::pair<std::string_view, Adapter*>> names() const;
+    [[nodiscard]] std::string obey(const JsonDocument& document, enip::Time now);
 
     std::vector<Drive> drives_;
     drive::AxisKind axis_;

@@ -79,6 +79,13 @@ std::size_t Fleet::sessions() const {
     return total;
 }
 
+std::optional<std::string> Fleet::install(const FlashImage& image) {
+    for (const auto& member : members_) {
+        if (auto wrong = member->adapter.install(image)) return wrong;
+    }
+    return std::nullopt;
+}
+
 void Fleet::on_access(const LineSink& sink) {
     for (std::size_t i = 0; i < members_.size(); ++i) {
         auto own = sink;

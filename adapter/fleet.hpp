@@ -48,6 +48,8 @@ public:
     [[nodiscard]] std::size_t sessions() const;
     /// Who wants a line about each access to any of them. With more than one drive each line says which.
     void on_access(const LineSink& sink);
+    /// All of them have this image in their flash at power-on; why not, a clause.
+    [[nodiscard]] std::optional<std::string> install(const FlashImage& image);
     void shut_down();
 
 private:

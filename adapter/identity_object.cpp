@@ -15,8 +15,8 @@ constexpr std::array<std::uint16_t, 4> class_attributes_in_all{1, 2, 6, 7};  // 
 
 }  // namespace
 
-IdentityObject::IdentityObject(drive::Identity identity, Reset reset, std::function<std::uint16_t()> io_status)
-    : identity_(std::move(identity)), reset_(std::move(reset)), io_status_(std::move(io_status)) {}
+IdentityObject::IdentityObject(drive::Identity identity, Reset reset, std::function<Present()> present)
+    : identity_(std::move(identity)), reset_(std::move(reset)), present_(std::move(present)) {}
 
 cip::ClassInfo IdentityObject::info() const {
     return {.class_id = cip::class_id::identity,
@@ -54,7 +54,7 @@ cip::Status IdentityObject::get(std::uint32_t, std::uint32_t id, cip::Writer& va
             value.u8(identity_.minor_revision);
             break;
         case 5:
-            value.u16(status());
+            value.u16(present_().status);
             break;
         case 6:
             value.u32(identity_.serial_number);
@@ -63,7 +63,7 @@ cip::Status IdentityObject::get(std::uint32_t, std::uint32_t id, cip::Writer& va
             cip::write_short_string(value, identity_.product_name);
             break;
         case 8:
-            value.field(IdentityState::operational);
+            value.field(present_().state);
             break;
         default:
             return cip::GeneralStatus::attribute_not_supported;
@@ -90,10 +90,11 @@ enip::IdentityItem IdentityObject::item(enip::SocketAddress own) const {
     item.product_code = identity_.product_code;
     item.major_revision = identity_.major_revision;
     item.minor_revision = identity_.minor_revision;
-    item.status = status();
+    const auto present = present_();
+    item.status = present.status;
     item.serial_number = identity_.serial_number;
     item.product_name = identity_.product_name;
-    item.state = static_cast<std::uint8_t>(IdentityState::operational);
+    item.state = static_cast<std::uint8_t>(present.state);
     return item;
 }
 

@@ -12,7 +12,7 @@
 namespace servobus::adapter {
 
 /// Attribute 8, as far as this device takes the states (R-ID-5).
-enum class IdentityState : std::uint8_t { operational = 3 };
+enum class IdentityState : std::uint8_t { standby = 2, operational = 3 };
 
 /// The data of service 0x05 (R-ID-8).
 enum class ResetType : std::uint8_t {
@@ -24,8 +24,12 @@ class IdentityObject final : public cip::Object {
 public:
     /// Grants a reset, which takes effect when the reply has left, or says why not.
     using Reset = std::function<cip::GeneralStatus(ResetType, cip::Time)>;
-    /// `io_status` tells what the I/O connections say in the status word: bit 0 and bits 4 to 7 (R-ID-3, R-ID-4).
-    IdentityObject(drive::Identity identity, Reset reset, std::function<std::uint16_t()> io_status);
+    /// What is so at the moment of asking: the status word (R-ID-3, R-ID-4) and the state (R-ID-5).
+    struct Present {
+        std::uint16_t status = 0;
+        IdentityState state = IdentityState::operational;
+    };
+    IdentityObject(drive::Identity identity, Reset reset, std::function<Present()> present);
 
     [[nodiscard]] cip::ClassInfo info() const override;
     [[nodiscard]] bool offers(std::uint8_t service) const override;
@@ -36,15 +40,13 @@ public:
     [[nodiscard]] cip::Response call(const cip::RequestView& request, const cip::RequestPath& path,
                                      const cip::Origin& origin) override;
 
-    [[nodiscard]] std::uint16_t status() const { return io_status_(); }
-
     /// The item of ListIdentity. `own` is the address that the request came to.
     [[nodiscard]] enip::IdentityItem item(enip::SocketAddress own) const;
 
 private:
     drive::Identity identity_;
     Reset reset_;
-    std::function<std::uint16_t()> io_status_;
+    std::function<Present()> present_;
 };
 
 /// What an electronic key is compared with.

@@ -22,6 +22,7 @@
 #include "adapter/config.hpp"
 #include "adapter/control.hpp"
 #include "adapter/file_settings.hpp"
+#include "adapter/flash_file.hpp"
 #include "adapter/fleet.hpp"
 #include "adapter/ready_line.hpp"
 #include "adapter/scenario.hpp"
@@ -69,6 +70,7 @@ struct Arguments {
     std::optional<std::string> axis;
     std::optional<std::uint64_t> seed;
     std::optional<std::string> scenario;
+    std::optional<std::string> flash;
     std::vector<std::string> controls;
     servobus::enip::asio::Scheduling scheduling;
     bool list_axes = false;
@@ -101,6 +103,8 @@ void add_machine_options(CLI::App& app, Arguments& arguments) {
     app.add_flag("--list-axes", arguments.list_axes, "Print the axes that ship with the program, and stop");
     app.add_option("--seed", arguments.seed, "Chooses the noise of what the drive measures (1 unless given)")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}));
+    app.add_option("--flash", arguments.flash, "Firmware image that is in the flash when the power comes on")
+        ->type_name("FILE");
     app.add_option("--scenario", arguments.scenario, "JSON file that says what happens to the drive, and when");
     app.add_option(
            "--control", arguments.controls,
@@ -219,6 +223,7 @@ void override_with(const Arguments& arguments, Config& config) {
     if (arguments.axis) static_cast<void>(choose_axis(*arguments.axis, config));  // checked by parse()
     if (arguments.seed) config.seed = *arguments.seed;
     if (arguments.scenario) config.scenario = *arguments.scenario;
+    if (arguments.flash) config.flash = *arguments.flash;
     if (!arguments.allowed.empty()) {
         config.allowed = {};
         for (const auto& word : arguments.allowed) {  // checked by parse()
@@ -286,6 +291,7 @@ std::uint64_t unpredictable_seed() {
 struct Files {
     DeviceFiles device;
     Timetable scenario;
+    std::optional<servobus::adapter::FlashImage> flash;
     std::shared_ptr<AccessFile> access_log;  ///< null: there is none
 };
 
@@ -305,6 +311,11 @@ std::optional<int> load_files(Config& config, Files& files) {
     if (!config.eds) files.device = generated_files(config);
     if (const auto code = load_device_file(config.eds, files.device.eds)) return code;
     if (const auto code = load_device_file(config.icon, files.device.icon)) return code;
+    if (config.flash) {
+        auto image = servobus::adapter::load_flash(*config.flash);
+        if (const auto* reason = std::get_if<std::string>(&image)) return fail(wrong_usage, *reason);
+        files.flash = std::get<servobus::adapter::FlashImage>(std::move(image));
+    }
     if (config.access_log) {
         auto file = AccessFile::open(*config.access_log);
         if (const auto* reason = std::get_if<std::string>(&file)) return fail(wrong_usage, *reason);
@@ -417,6 +428,11 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     make_room_for_descriptors(config.limits, addresses.size(), *logger);
     const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
     Fleet fleet(config, addresses, unpredictable_seed(), log, files.device, files.scenario);
+    if (files.flash) {
+        if (const auto wrong = fleet.install(*files.flash)) {
+            return fail(wrong_usage, fmt::format("{}: {}", *config.flash, *wrong));
+        }
+    }
     fleet.on_access(access_sink(logger, config.log_level, files.access_log));
     Control control(fleet[0].adapter, axis_of(config), addresses[0]);
     for (std::size_t i = 1; i < fleet.size(); ++i) control.add(fleet[i].adapter, addresses[i]);

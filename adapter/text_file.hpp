@@ -8,7 +8,7 @@
 
 namespace servobus::adapter {
 
-/// Of any file that is read.
+/// Of any file that is read, but for firmware.
 inline constexpr std::size_t max_file_bytes = std::size_t{1} << 20;
 
 /// What is wrong with a file, and where: line and column count from 1, 0 when the file as a whole is meant.
@@ -21,6 +21,7 @@ struct FileError {
 /// `drive.json:3:15: 'port' must be a whole number from 0 to 65535`.
 [[nodiscard]] std::string describe(const std::filesystem::path& file, const FileError& error);
 
-[[nodiscard]] std::variant<std::string, FileError> read_file(const std::filesystem::path& file);
+[[nodiscard]] std::variant<std::string, FileError> read_file(const std::filesystem::path& file,
+                                                             std::size_t limit = max_file_bytes);
 
 }  // namespace servobus::adapter

@@ -89,6 +89,11 @@ public:
 
     [[nodiscard]] const Model& model() const { return model_; }
     [[nodiscard]] const Identity& identity() const { return model_.identity; }
+    /// Another firmware runs.
+    void set_revision(std::uint8_t major, std::uint8_t minor) {
+        model_.identity.major_revision = major;
+        model_.identity.minor_revision = minor;
+    }
     [[nodiscard]] Store& store() { return *store_; }
     [[nodiscard]] const Store& store() const { return *store_; }
     [[nodiscard]] Motor motor() const { return motor_; }

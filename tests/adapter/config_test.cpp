@@ -136,11 +136,12 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Keys, WrongConfig,
     testing::Values(
-        Wrong{"{\n  \"prot\": 1}",
-              "2:3: 'prot' is not a setting; here may stand: access_log, axis, bind, count, eds, icon, identity, "
-              "io_port, "
-              "limits, log_level, lost_controller, motor, port, profiles, programs, protection, scenario, seed, "
-              "values, variant"},
+        Wrong{
+            "{\n  \"prot\": 1}",
+            "2:3: 'prot' is not a setting; here may stand: access_log, axis, bind, count, eds, flash, icon, identity, "
+            "io_port, "
+            "limits, log_level, lost_controller, motor, port, profiles, programs, protection, scenario, seed, "
+            "values, variant"},
         Wrong{"{\"identity\": {\"serial\": 1}}",
               "1:15: 'serial' is not a setting; here may stand: "
               "major_revision, minor_revision, product_name, serial_number"},

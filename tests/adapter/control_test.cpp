@@ -55,7 +55,7 @@ TEST_F(ControlLines, WhatIsWrongIsSaidAndNothingHappens) {
     EXPECT_EQ(answer("[]"), R"({"ok":false,"error":"column 1: the line must hold one object in braces"})");
     EXPECT_EQ(answer(R"({"query": "stat"})"),
               R"({"ok":false,"error":"column 2: 'query' must be one of \"state\", \"axis\", )"
-              R"(\"connections\", \"counters\", \"lights\""})");
+              R"(\"connections\", \"counters\", \"lights\", \"firmware\""})");
     EXPECT_THAT(answer(R"({"query": "state", "event": "block-axis"})"), HasSubstr("'event' is not a setting"));
     EXPECT_THAT(fake_machine().events, IsEmpty());
 }
