@@ -37,14 +37,15 @@ public:
     /// A string; a word is taken for one, with a finding.
     std::string text(std::size_t at) {
         if (field(at).kind == Field::Kind::word) {
-            note(Severity::warning, field(at).line, fmt::format("'{}' should be in quotes", shown(field(at))));
+            note(Severity::warning, field(at).line, fmt::format("'{}' should be in quotes", shown(field(at).value)));
         }
         return field(at).value;
     }
 
     std::string word(std::size_t at) {
         if (field(at).kind == Field::Kind::text) {
-            note(Severity::warning, field(at).line, fmt::format("'{}' should not be in quotes", shown(field(at))));
+            note(Severity::warning, field(at).line,
+                 fmt::format("'{}' should not be in quotes", shown(field(at).value)));
         }
         return field(at).value;
     }
@@ -65,15 +66,14 @@ public:
 
     /// `ParamX: field 5 is 'abc', no data type ...`.
     void object(std::size_t at, std::string_view why) {
-        note(Severity::error, field(at).line, fmt::format("field {} is '{}', {}", at, shown(field(at)), why));
+        note(Severity::error, field(at).line, fmt::format("field {} is '{}', {}", at, shown(field(at).value), why));
     }
     void note(Severity severity, std::string words) { note(severity, entry_.line, std::move(words)); }
 
 private:
-    static std::string_view shown(const Field& field) { return std::string_view(field.value).substr(0, 40); }
     void note(Severity severity, std::size_t line, const std::string& words) {
         if (findings_.size() >= 2 * max_findings) return;
-        findings_.push_back({line, severity, fmt::format("{}: {}", entry_.keyword.substr(0, 40), words)});
+        findings_.push_back({line, severity, fmt::format("{}: {}", shown(entry_.keyword), words)});
     }
 
     const Entry& entry_;

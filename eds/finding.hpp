@@ -23,6 +23,8 @@ struct Finding {
 
 /// "error", "warning".
 [[nodiscard]] std::string_view name(Severity severity);
+/// As much of a name or value of the text as belongs into a sentence.
+[[nodiscard]] std::string_view shown(std::string_view text);
 /// `line 12: warning: Param3 has 20 fields, 21 belong there`.
 [[nodiscard]] std::string to_text(const Finding& finding);
 

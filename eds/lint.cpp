@@ -44,4 +44,19 @@ void check_path(const DataSheet& sheet, const PathPattern& path, std::size_t lin
     }
 }
 
+std::vector<const Entry*> numbered(const Document& document, std::string_view section, std::string_view prefix) {
+    std::vector<const Entry*> entries;
+    const auto* found = document.find(section);
+    if (found == nullptr) return entries;
+    for (const auto& entry : found->entries) {
+        if (number_behind(prefix, entry.keyword)) entries.push_back(&entry);
+    }
+    return entries;
+}
+
+bool is_of_a_vendor(std::string_view keyword) {
+    const auto digits = std::min(keyword.find_first_not_of("0123456789"), keyword.size());
+    return digits > 0 && digits < keyword.size() && keyword[digits] == '_';
+}
+
 }  // namespace servobus::eds

@@ -48,14 +48,14 @@ private:
             error(fmt::format("a member is Param{}, which is not there", parameter->number));
         }
         if (inner != nullptr && sheet_.assembly(inner->keyword) == nullptr && inner->keyword.starts_with("Assem")) {
-            error(fmt::format("a member is {}, which is not there", inner->keyword.substr(0, 40)));
+            error(fmt::format("a member is {}, which is not there", shown(inner->keyword)));
         }
         const auto octets = octets_of_reference(member);
         const bool one_bit = parameter != nullptr && octets && member.bits == 1U &&
                              kind_of(sheet_.parameter(parameter->number)->type) == TypeKind::boolean;
         if (octets && member.bits && *member.bits != 8 * *octets && !one_bit) {
             const auto what =
-                parameter != nullptr ? fmt::format("Param{}", parameter->number) : inner->keyword.substr(0, 40);
+                parameter != nullptr ? fmt::format("Param{}", parameter->number) : std::string(shown(inner->keyword));
             warning(fmt::format("a member has {} bits, and {} has {}", *member.bits, what, 8 * *octets));
         }
     }
@@ -79,16 +79,14 @@ private:
 
 void check_fields(const Entry& entry, Notes& notes) {
     if (entry.fields.size() < fields_before_members) {
-        notes.warning(entry.line, fmt::format("{} has {} fields, where at least {} belong", entry.keyword.substr(0, 40),
+        notes.warning(entry.line, fmt::format("{} has {} fields, where at least {} belong", shown(entry.keyword),
                                               entry.fields.size(), fields_before_members));
     }
     if (!entry.field(5).is_empty() || !entry.field(6).is_empty()) {
-        notes.warning(entry.line,
-                      fmt::format("{}: fields 5 and 6 are reserved, and empty", entry.keyword.substr(0, 40)));
+        notes.warning(entry.line, fmt::format("{}: fields 5 and 6 are reserved, and empty", shown(entry.keyword)));
     }
     if (entry.fields.size() > fields_before_members && entry.fields.size() % 2 != 0) {
-        notes.warning(entry.line,
-                      fmt::format("{}: its last member has a size and no reference", entry.keyword.substr(0, 40)));
+        notes.warning(entry.line, fmt::format("{}: its last member has a size and no reference", shown(entry.keyword)));
     }
 }
 
@@ -98,11 +96,7 @@ void lint_assemblies(const Sheet& sheet, Notes& notes) {
     for (const auto& assembly : sheet.read.assemblies) {
         AssemblyCheck(sheet.read, assembly, notes).run();
     }
-    const auto* section = sheet.document.find("Assembly");
-    if (section == nullptr) return;
-    for (const auto& entry : section->entries) {
-        if (number_behind("Assem", entry.keyword)) check_fields(entry, notes);
-    }
+    for (const auto* entry : numbered(sheet.document, "Assembly", "Assem")) check_fields(*entry, notes);
 }
 
 }  // namespace servobus::eds

@@ -128,7 +128,7 @@ void check_names(const DataSheet& sheet, Notes& notes) {
         const auto [first, is_new] = seen.try_emplace(lower_case(connection.name), connection.keyword);
         if (is_new) continue;
         notes.error(connection.line, fmt::format("{} has the name of {}, {}", connection.keyword, first->second,
-                                                 connection.name.substr(0, 40)));
+                                                 shown(connection.name)));
     }
 }
 
@@ -142,7 +142,7 @@ void check_fields(const Entry& entry, Notes& notes) {
 void check_yes_or_no(const Entry& entry, Notes& notes) {
     const auto& value = entry.field(1).value;
     if (value == "Yes" || value == "No") return;
-    notes.error(entry.line, fmt::format("{} is '{}', and Yes or No can be", entry.keyword, value.substr(0, 40)));
+    notes.error(entry.line, fmt::format("{} is '{}', and Yes or No can be", entry.keyword, shown(value)));
 }
 
 }  // namespace
@@ -150,11 +150,10 @@ void check_yes_or_no(const Entry& entry, Notes& notes) {
 void lint_connections(const Sheet& sheet, Notes& notes) {
     for (const auto& connection : sheet.read.connections) ConnectionCheck(sheet.read, connection, notes).run();
     check_names(sheet.read, notes);
-    const auto* section = sheet.document.find("Connection Manager");
-    if (section == nullptr) return;
-    for (const auto& entry : section->entries) {
-        if (number_behind("Connection", entry.keyword)) check_fields(entry, notes);
-        if (entry.keyword == "PITNS" || entry.keyword == "PITNS_usec") check_yes_or_no(entry, notes);
+    const std::string manager = "Connection Manager";
+    for (const auto* entry : numbered(sheet.document, manager, "Connection")) check_fields(*entry, notes);
+    for (const auto* keyword : {"PITNS", "PITNS_usec"}) {
+        if (const auto* entry = sheet.document.find(manager, keyword)) check_yes_or_no(*entry, notes);
     }
 }
 

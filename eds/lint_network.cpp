@@ -31,20 +31,7 @@ constexpr std::array class_codes{
 };
 
 bool is_port_type(std::string_view type) {
-    const bool of_a_vendor =
-        !type.empty() && type.front() >= '0' && type.front() <= '9' && type.find('_') != std::string_view::npos;
-    return of_a_vendor || std::ranges::find(port_types, type) != port_types.end();
-}
-
-// The entries of a section whose keyword is the prefix and a number, in their order.
-std::vector<const Entry*> numbered(const Document& document, std::string_view section, std::string_view prefix) {
-    std::vector<const Entry*> entries;
-    const auto* found = document.find(section);
-    if (found == nullptr) return entries;
-    for (const auto& entry : found->entries) {
-        if (number_behind(prefix, entry.keyword)) entries.push_back(&entry);
-    }
-    return entries;
+    return is_of_a_vendor(type) || std::ranges::find(port_types, type) != port_types.end();
 }
 
 void check_ports(const Sheet& sheet, Notes& notes) {
@@ -54,8 +41,7 @@ void check_ports(const Sheet& sheet, Notes& notes) {
         const auto& entry = *entries[i];
         const auto& port = sheet.read.ports[i];
         if (!is_port_type(port.type)) {
-            notes.warning(entry.line,
-                          fmt::format("{}: '{}' is no type of a port", entry.keyword, port.type.substr(0, 40)));
+            notes.warning(entry.line, fmt::format("{}: '{}' is no type of a port", entry.keyword, shown(port.type)));
         }
         check_path(sheet.read, port.path, entry.line, entry.keyword, notes);
         if (!port.number) {
@@ -72,8 +58,8 @@ void check_capacity(const Sheet& sheet, Notes& notes) {
         const auto& traffic = sheet.read.capacity.traffic[i];
         const auto& entry = *entries[i];
         if (traffic.direction != "TxRx" && traffic.direction != "Tx" && traffic.direction != "Rx") {
-            notes.error(entry.line, fmt::format("{}: '{}' is none of TxRx, Tx and Rx", entry.keyword,
-                                                traffic.direction.substr(0, 40)));
+            notes.error(entry.line,
+                        fmt::format("{}: '{}' is none of TxRx, Tx and Rx", entry.keyword, shown(traffic.direction)));
         }
         if (traffic.size.value_or(0) == 0 || traffic.packets_per_second.value_or(0) == 0) {
             notes.error(entry.line,
@@ -94,9 +80,8 @@ void check_class(const Section& section, const ObjectClass& object, Notes& notes
                                               section.name, *object.class_id, known->class_id));
     }
     if (object.max_instance && object.static_instances && *object.static_instances > *object.max_instance) {
-        notes.error(section.line,
-                    fmt::format("[{}] has {} instances, and its highest is {}", section.name.substr(0, 40),
-                                *object.static_instances, *object.max_instance));
+        notes.error(section.line, fmt::format("[{}] has {} instances, and its highest is {}", shown(section.name),
+                                              *object.static_instances, *object.max_instance));
     }
 }
 
@@ -108,8 +93,8 @@ void check_classes(const Sheet& sheet, Notes& notes) {
         if (!object.class_id) continue;
         const auto [first, is_new] = seen.try_emplace(*object.class_id, object.section);
         if (is_new) continue;
-        notes.warning(section->line, fmt::format("[{}] has the Object_Class_Code of [{}]", object.section.substr(0, 40),
-                                                 first->second.substr(0, 40)));
+        notes.warning(section->line, fmt::format("[{}] has the Object_Class_Code of [{}]", shown(object.section),
+                                                 shown(first->second)));
     }
 }
 

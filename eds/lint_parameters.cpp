@@ -188,7 +188,7 @@ void check_names(const DataSheet& sheet, Notes& notes) {
         const auto [first, is_new] = seen.try_emplace(lower_case(parameter.name), parameter.number);
         if (is_new) continue;
         notes.warning(parameter.line, fmt::format("Param{} has the name of Param{}, {}", parameter.number,
-                                                  first->second, parameter.name.substr(0, 40)));
+                                                  first->second, shown(parameter.name)));
     }
 }
 
@@ -215,7 +215,7 @@ void check_group(const DataSheet& sheet, const Entry& entry, const Group& group,
     const auto listed = entry.fields.size() - std::min<std::size_t>(2, entry.fields.size());
     if (!stated || static_cast<std::uint64_t>(*stated) != listed) {
         notes.error(group.line, fmt::format("{} says that it has {} Params, and lists {}", entry.keyword,
-                                            entry.field(2).value.substr(0, 20), listed));
+                                            shown(entry.field(2).value), listed));
     }
     std::unordered_set<std::uint32_t> seen;
     for (const auto number : group.parameters) {
@@ -231,20 +231,12 @@ void check_group(const DataSheet& sheet, const Entry& entry, const Group& group,
 
 void lint_parameters(const Sheet& sheet, Notes& notes) {
     const auto& [document, read] = sheet;
-    if (const auto* section = document.find("Params")) {
-        for (const auto& entry : section->entries) {
-            if (number_behind("Param", entry.keyword)) check_fields(entry, notes);
-        }
-    }
+    for (const auto* entry : numbered(document, "Params", "Param")) check_fields(*entry, notes);
     for (const auto& parameter : read.parameters) ParameterCheck(read, parameter, notes).run();
     check_names(read, notes);
     check_class(sheet, notes);
-    std::size_t group = 0;
-    if (const auto* section = document.find("Groups")) {
-        for (const auto& entry : section->entries) {
-            if (number_behind("Group", entry.keyword)) check_group(read, entry, read.groups[group++], notes);
-        }
-    }
+    const auto groups = numbered(document, "Groups", "Group");
+    for (std::size_t i = 0; i < groups.size(); ++i) check_group(read, *groups[i], read.groups[i], notes);
 }
 
 }  // namespace servobus::eds

@@ -45,4 +45,11 @@ void lint_network(const Sheet& sheet, Notes& notes);      ///< [Port], [Capacity
 void check_path(const DataSheet& sheet, const PathPattern& path, std::size_t line, std::string_view owner,
                 Notes& notes);
 
+/// The entries of a section whose keyword is the prefix and a number, in their order.
+[[nodiscard]] std::vector<const Entry*> numbered(const Document& document, std::string_view section,
+                                                 std::string_view prefix);
+
+/// `65535_Keyword`: names that begin with the number of a vendor are the vendor's own.
+[[nodiscard]] bool is_of_a_vendor(std::string_view keyword);
+
 }  // namespace servobus::eds

@@ -50,12 +50,6 @@ bool contains(const List& list, std::string_view word) {
     return std::ranges::find(list, word) != list.end();
 }
 
-// `65535_keyword`, and the name of a section of the vendor likewise.
-bool is_of_a_vendor(std::string_view keyword) {
-    const auto digits = std::min(keyword.find_first_not_of("0123456789"), keyword.size());
-    return digits > 0 && digits < keyword.size() && keyword[digits] == '_';
-}
-
 void check_required(const Keywords& keywords, const Section& section, Notes& notes) {
     for (const auto keyword : keywords.required) {
         const auto* entry = section.find(keyword);
@@ -73,8 +67,7 @@ void check_known(const Keywords& keywords, const Section& section, Notes& notes)
         const auto same = [&](std::string_view keyword) { return same_name(keyword, entry.keyword); };
         const bool known = std::ranges::any_of(keywords.required, same) || std::ranges::any_of(keywords.optional, same);
         if (!known && !is_of_a_vendor(entry.keyword)) {
-            notes.warning(entry.line,
-                          fmt::format("'{}' is no keyword of [{}]", entry.keyword.substr(0, 40), section.name));
+            notes.warning(entry.line, fmt::format("'{}' is no keyword of [{}]", shown(entry.keyword), section.name));
         } else if (known && entry.fields.size() > 1) {
             notes.warning(entry.line,
                           fmt::format("{} has {} fields, where one belongs", entry.keyword, entry.fields.size()));
@@ -107,8 +100,7 @@ void check_names(const Document& document, Notes& notes) {
         std::unordered_set<std::string_view> seen;
         for (const auto& entry : section.entries) {
             if (!seen.insert(entry.keyword).second) {
-                notes.error(entry.line, fmt::format("{} is twice in [{}]", entry.keyword.substr(0, 40),
-                                                    section.name.substr(0, 40)));
+                notes.error(entry.line, fmt::format("{} is twice in [{}]", shown(entry.keyword), shown(section.name)));
             }
         }
     }

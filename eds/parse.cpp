@@ -93,9 +93,6 @@ Literal literal(std::string_view text) {
     return {last == std::string_view::npos ? 0 : last + 1, false};
 }
 
-// As much of a text as belongs into a sentence.
-std::string_view shown(std::string_view text) { return text.substr(0, 40); }
-
 // Known escapes as the character they stand for; a backslash before anything else is one, as in `C:\icons`.
 std::string unescaped(std::string_view text) {
     std::string result;
