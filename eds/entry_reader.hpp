@@ -68,10 +68,10 @@ public:
     void object(std::size_t at, std::string_view why) {
         note(Severity::error, field(at).line, fmt::format("field {} is '{}', {}", at, shown(field(at).value), why));
     }
-    void note(Severity severity, std::string words) { note(severity, entry_.line, std::move(words)); }
+    void note(Severity severity, std::string_view words) { note(severity, entry_.line, words); }
 
 private:
-    void note(Severity severity, std::size_t line, const std::string& words) {
+    void note(Severity severity, std::size_t line, std::string_view words) {
         if (findings_.size() >= 2 * max_findings) return;
         findings_.push_back({line, severity, fmt::format("{}: {}", shown(entry_.keyword), words)});
     }
