@@ -59,6 +59,7 @@ constexpr auto network_settings = std::to_array<NetworkSetting>({
     {0xF6},          // Ethernet Link
     {0x48},          // QoS
     {0x47},          // Device Level Ring
+    {0x43},          // Time Sync
     {0x65, 0xBA},    // EGW, gateway
     {0x65, 0xBB},    // EIP, address
     {0x65, 0xBC},    // ENM, net mask

@@ -772,13 +772,21 @@ void Adapter::advance_firmware(enip::Time now) {
                                      to_string(firmware_.snapshot().release.version)));
 }
 
+// To all who say it, or compare it with something.
+void Adapter::tell_revision(Revision revision) {
+    const auto& identity = device_.identity();
+    if (revision == Revision{identity.major_revision, identity.minor_revision}) return;
+    device_.set_revision(revision.major, revision.minor);
+    router_.set_node(node_identity(identity));
+    if (make_sheet_) files_.eds = make_sheet_(identity);
+}
+
 // What is in the flash now speaks to the bus, and nothing that it remembered is left.
 void Adapter::start_firmware() {
     const auto before = firmware_.running();
     firmware_.power_cycle();
     if (const auto& now = firmware_.running()) {
-        device_.set_revision(now->revision.major, now->revision.minor);
-        router_.set_node(node_identity(device_.identity()));
+        tell_revision(now->revision);
         if (now != before) {
             log_(LogLevel::info, fmt::format("firmware {} runs, revision {}.{}", to_string(now->version),
                                              now->revision.major, now->revision.minor));

@@ -92,6 +92,9 @@ public:
     /// Powers up with what a FirmwareUnit::snapshot() has kept; before anybody is served.
     void restore_firmware(const FirmwareUnit::Flash& flash);
     [[nodiscard]] const FirmwareUnit& firmware() const { return firmware_; }
+    /// Who makes the data sheet of a device with another revision. Without it the data sheet stays as it is.
+    using MakeSheet = std::function<DeviceFile(const drive::Identity&)>;
+    void on_revision(MakeSheet make) { make_sheet_ = std::move(make); }
 
     /// Who may do what from now on.
     void protect(Protection protection) { gate_.protect(protection); }
@@ -162,6 +165,7 @@ private:
     [[nodiscard]] std::optional<OpenRefusal> refuse_open(const cip::ForwardOpen& open);
     void advance_firmware(enip::Time now);
     void start_firmware();
+    void tell_revision(Revision revision);
     /// In factory mode nobody speaks EtherNet/IP.
     [[nodiscard]] bool is_mute() const { return faults_.is_silent() || firmware_.is_in_factory_mode(); }
     [[nodiscard]] bool make_room();
@@ -205,6 +209,7 @@ private:
     std::mt19937_64 random_;
     SessionTable sessions_;
     FirmwareUnit firmware_;
+    MakeSheet make_sheet_;
     AccessLog access_log_;
     AccessGate gate_;
     AllowList allowed_;

@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "adapter/file_settings.hpp"
 #include "drive/xenax.hpp"
 
 namespace servobus::adapter {
@@ -47,6 +48,13 @@ Fleet::Member::Member(drive::Device made, const Config& config, std::uint64_t se
     : device(std::move(made)),
       adapter(device, config.limits, seed, std::move(log), make_network(device.identity()), std::move(files)) {
     adapter.on_restart([this, &config](ResetType type) { restart(type, config, device); });
+    if (config.eds) return;
+    adapter.on_revision([&config](const drive::Identity& identity) {
+        auto revised = config;
+        revised.major_revision = identity.major_revision;
+        revised.minor_revision = identity.minor_revision;
+        return *generated_files(revised).eds;
+    });
 }
 
 Fleet::Fleet(const Config& config, const std::vector<std::string>& addresses, std::uint64_t seed, const LogSink& log,

@@ -13,6 +13,7 @@ install(TARGETS servobus_adapter_main servobus_scanner_main RUNTIME DESTINATION 
 install(DIRECTORY drive cip assemblies eds enip adapter scanner DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/servobus
     FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE PATTERN cli EXCLUDE PATTERN axes EXCLUDE
     PATTERN adapter/axis_file.hpp EXCLUDE PATTERN adapter/config.hpp EXCLUDE PATTERN adapter/file_settings.hpp EXCLUDE PATTERN adapter/control.hpp EXCLUDE
+    PATTERN adapter/access_file.hpp EXCLUDE PATTERN adapter/flash_file.hpp EXCLUDE
     PATTERN adapter/terminal_sink.hpp EXCLUDE PATTERN adapter/event_json.hpp EXCLUDE PATTERN adapter/json_document.hpp EXCLUDE
     PATTERN adapter/json_settings.hpp EXCLUDE PATTERN adapter/scenario.hpp EXCLUDE
     PATTERN adapter/shipped_axis_files.hpp EXCLUDE PATTERN adapter/text_file.hpp EXCLUDE)

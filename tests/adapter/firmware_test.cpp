@@ -244,6 +244,20 @@ TEST(FirmwareOfADrive, RunsAfterAPowerCycleAndTellsItsRevisionEverywhere) {
     EXPECT_EQ(peer.call("0E 08 34 04 6D05 2B00 0975 01 01 20 64 24 01 30 00"), hex("8E 00 25 00"));
 }
 
+// The File object hands out the sheet of the revision that runs.
+TEST(FirmwareOfADrive, HasADataSheetOfItsOwn) {
+    IoSite site;
+    site.adapter.on_revision([](const drive::Identity& identity) {
+        return adapter::DeviceFile{.content = std::make_shared<const cip::Bytes>(identity.major_revision * 100U)};
+    });
+    constexpr auto size = "0E 03 20 37 24 C8 30 06";
+    ASSERT_EQ(site.adapter.download(image_of({.major_revision = 2, .minor_revision = 7}), site.now), std::nullopt);
+    site.advance(2s);
+    EXPECT_EQ(IoPeer(site).call(size), hex("8E 00 00 00 00 00 00 00"));
+    cut_power(site);
+    EXPECT_EQ(IoPeer(site).call(size), hex("8E 00 00 00 C8 00 00 00"));
+}
+
 TEST(FirmwareOfADrive, RunsAfterAResetToo) {
     for (const auto* request : {"05 02 20 01 24 01 00", "05 02 20 01 24 01 01"}) {
         IoSite site;

@@ -4,6 +4,7 @@ the revision that Identity tells is that of the image, and a power cut in the mi
 """
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -70,6 +71,10 @@ def main():
             check('"1.1"' in identified(address), "the new revision is told before the power cycle")
             drive.tell(event="power-cycle")
             check('"2.7"' in identified(address), "the new revision is not told")
+            sheet = Path(directory) / "uploaded.eds"
+            run(BIN / "servobus-scanner", "eds", "upload", address, "--output", sheet)
+            told = re.findall(r"(MajRev|MinRev) = (\d+);", sheet.read_text("latin-1"))
+            check(told == [("MajRev", "2"), ("MinRev", "7")], f"the data sheet tells {told}")
 
             large = str(Path(directory) / "large.flash")
             run(MAKE_FLASH, "--version", "1.06", large)
