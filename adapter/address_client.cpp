@@ -29,6 +29,13 @@ std::uint32_t gateway_in(const InterfaceConfiguration& configuration, const std:
 
 }  // namespace
 
+std::optional<AddressClient::Event> AddressClient::on_frame(const enip::HeardFrame& frame, enip::Time now) {
+    const auto datagram = UdpFrame::parse(frame.octets, frame.checksummed);
+    if (!datagram) return count(&IgnoredReplies::malformed);
+    if (datagram->destination.port != dhcp_client_port) return std::nullopt;
+    return on_datagram(*datagram, now);
+}
+
 std::optional<AddressClient::Event> AddressClient::on_datagram(const UdpFrame& frame, enip::Time now) {
     const auto reply = DhcpMessage::parse(frame.payload);
     if (!reply || reply->operation != DhcpMessage::Operation::reply) return count(&IgnoredReplies::malformed);

@@ -15,6 +15,7 @@
 #include "adapter/network_settings.hpp"
 #include "adapter/udp_frame.hpp"
 #include "cip/bytes.hpp"
+#include "enip/link_user.hpp"
 #include "enip/time.hpp"
 
 namespace servobus::adapter {
@@ -50,6 +51,8 @@ public:
     [[nodiscard]] virtual std::optional<Event> on_timer(enip::Time now) = 0;
     [[nodiscard]] virtual std::optional<enip::Time> next_deadline() const = 0;
 
+    /// A frame with an IPv4 packet. Others than datagrams to the client's port are not its business.
+    [[nodiscard]] std::optional<Event> on_frame(const enip::HeardFrame& frame, enip::Time now);
     /// A datagram to the client's port.
     [[nodiscard]] std::optional<Event> on_datagram(const UdpFrame& frame, enip::Time now);
     /// What was granted last.

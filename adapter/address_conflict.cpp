@@ -41,9 +41,9 @@ void AddressConflictDetection::enter(Phase phase, enip::Time due) {
     due_ = due;
 }
 
-std::chrono::seconds AddressConflictDetection::pause() const {
-    return conflicts_ > conflicts_before_patience ? patient_pause : usual_pause;
-}
+std::chrono::seconds AddressConflictDetection::pause() const { return is_patient() ? patient_pause : usual_pause; }
+
+bool AddressConflictDetection::is_patient() const { return conflicts_ > conflicts_before_patience; }
 
 std::chrono::milliseconds AddressConflictDetection::until_next_look() {
     std::uniform_int_distribution<std::int64_t> wait(shortest_look.count(), longest_look.count());

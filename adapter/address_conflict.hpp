@@ -54,6 +54,8 @@ public:
     [[nodiscard]] const LastConflict& last_conflict() const { return last_conflict_; }
     /// How long to wait after `refused` or `lost` before an address is tried again.
     [[nodiscard]] std::chrono::seconds pause() const;
+    /// There were so many conflicts that nothing may shorten the pause.
+    [[nodiscard]] bool is_patient() const;
 
 private:
     /// From `announcing` on the address is in use.
