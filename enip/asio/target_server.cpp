@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "enip/asio/line_server.hpp"
+#include "enip/asio/managed_interface.hpp"
 #include "enip/asio/target_station.hpp"
 
 namespace servobus::enip::asio {
@@ -31,10 +32,15 @@ constexpr auto awaited = net::as_tuple(net::use_awaitable);
 class TargetServer::Impl {
 public:
     explicit Impl(std::function<void(const std::string&)> problem)
-        : shared_{context_, std::move(problem), [this](TargetStation& station) { gather(station); }},
+        : shared_{context_, std::move(problem), [this](TargetStation& station) { gather(station); },
+                  [this] {
+                      if (managed_) managed_->settle();
+                  }},
           signals_(context_) {}
 
     boost::system::result<Listening, ListenError> listen(Target& target, const ListenOptions& options);
+    boost::system::result<std::array<std::uint8_t, 6>, ListenError> manage(Target& target, AddressUser& user,
+                                                                           ManageOptions options);
     std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
     void every(std::chrono::milliseconds interval, std::function<void(Time)> look);
     void catch_signals();
@@ -65,6 +71,7 @@ private:
     TargetStation::Shared shared_;
     net::signal_set signals_;
     std::vector<std::unique_ptr<TargetStation>> stations_;
+    std::unique_ptr<ManagedInterface> managed_;
     std::vector<std::unique_ptr<LineServer>> lines_;
     std::vector<std::unique_ptr<Onlooker>> onlookers_;
     IoQueue gathered_;  ///< of several stations, on its way through the socket of the first
@@ -78,6 +85,15 @@ boost::system::result<Listening, ListenError> TargetServer::Impl::listen(Target&
     auto listening = station->listen(options);
     if (listening) stations_.push_back(std::move(station));
     return listening;
+}
+
+boost::system::result<std::array<std::uint8_t, 6>, ListenError> TargetServer::Impl::manage(Target& target,
+                                                                                           AddressUser& user,
+                                                                                           ManageOptions options) {
+    auto& station = *stations_.emplace_back(std::make_unique<TargetStation>(target, shared_));
+    managed_ = std::make_unique<ManagedInterface>(context_, station, user, shared_.problem);
+    if (auto failed = managed_->open(std::move(options))) return *std::move(failed);
+    return managed_->mac();
 }
 
 std::optional<ListenError> TargetServer::Impl::serve_lines(const LineService& service, const std::string& where) {
@@ -118,6 +134,7 @@ void TargetServer::Impl::catch_signals() {
 void TargetServer::Impl::run(const std::function<void()>& stopping) {
     stopping_ = stopping;
     for (const auto& station : stations_) station->start();
+    if (managed_) managed_->start();
     for (const auto& lines : lines_) lines->start();
     for (const auto& onlooker : onlookers_) net::co_spawn(context_, look_on(*onlooker), net::detached);
     context_.run();
@@ -162,6 +179,7 @@ void TargetServer::Impl::shut_down() {
     for (const auto& lines : lines_) lines->stop();
     for (const auto& onlooker : onlookers_) onlooker->timer.cancel();
     for (const auto& station : stations_) station->shut_down();
+    if (managed_) managed_->shut_down();  // when nobody uses the address any more
 }
 
 TargetServer::TargetServer(std::function<void(const std::string&)> problem)
@@ -171,6 +189,11 @@ TargetServer::~TargetServer() = default;
 
 boost::system::result<Listening, ListenError> TargetServer::listen(Target& target, const ListenOptions& options) {
     return impl_->listen(target, options);
+}
+
+boost::system::result<std::array<std::uint8_t, 6>, ListenError> TargetServer::manage(Target& target, AddressUser& user,
+                                                                                     ManageOptions options) {
+    return impl_->manage(target, user, std::move(options));
 }
 
 std::optional<ListenError> TargetServer::serve_lines(const LineService& service, const std::string& where) {

@@ -1,6 +1,7 @@
 // Puts enip::Targets on the network: TCP and UDP sockets, one thread, one clock. Each target has an address of its own.
 #pragma once
 
+#include <array>
 #include <boost/system/result.hpp>
 #include <chrono>
 #include <cstdint>
@@ -11,6 +12,7 @@
 
 #include "enip/asio/line_service.hpp"
 #include "enip/encapsulation.hpp"
+#include "enip/link_user.hpp"
 #include "enip/target.hpp"
 
 namespace servobus::enip::asio {
@@ -37,6 +39,15 @@ struct Listening {
     std::string interface {};       ///< that the address belongs to, by name; empty at all addresses
 };
 
+/// An interface that a target has for itself. What must be so is said in docs/adapter.md.
+struct ManageOptions {
+    std::string interface {};
+    std::uint16_t port = tcp_port;           ///< see ListenOptions
+    std::optional<std::uint16_t> io_port{};  ///< see ListenOptions
+    /// Called with each place at which the target listens from then on.
+    std::function<void(const Listening&)> listens = [](const Listening&) {};
+};
+
 class TargetServer {
 public:
     /// `problem` receives a line when something goes wrong that the server can live with.
@@ -47,6 +58,12 @@ public:
 
     /// Opens the sockets of a target, which must outlive the server. Any number of these, before run().
     [[nodiscard]] boost::system::result<Listening, ListenError> listen(Target& target, const ListenOptions& options);
+
+    /// The target has the address that `user` wants to have on an interface, and listens there; while there is none, it
+    /// lives on. Both outlive the server. Once, before run(). Returns the MAC address of the interface.
+    [[nodiscard]] boost::system::result<std::array<std::uint8_t, 6>, ListenError> manage(Target& target,
+                                                                                         AddressUser& user,
+                                                                                         ManageOptions options);
 
     /// Answers lines of text too, on the thread of run() and with the same clock as the targets: "-" means standard input
     /// and output, anything else is the path of a Unix-domain socket. Any number of these, before run().

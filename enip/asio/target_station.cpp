@@ -78,20 +78,26 @@ TargetStation::TargetStation(Target& target, const Shared& shared)
       timer_(shared.context) {}
 
 boost::system::result<Listening, ListenError> TargetStation::listen(const ListenOptions& options) {
+    leave();
     error_code error;
     const auto address = net::ip::make_address_v4(options.address, error);
     if (error) {
         return ListenError{
             fmt::format("'{}' is not an IPv4 address; give one of this machine, such as 127.0.0.1", options.address)};
     }
-    if (auto failed = open_messages(options, address.to_uint())) return *std::move(failed);
-    if (auto failed = open_io(options)) return *std::move(failed);
+    auto failed = open_messages(options, address.to_uint());
+    if (!failed) failed = open_io(options);
+    if (failed) {
+        close_sockets();
+        return *std::move(failed);
+    }
     mark_messages();
     interface_ = interface_of(local_.address);
     if (interface_) {
         open_broadcast(directed_, interface_->broadcast());
         open_broadcast(limited_, 0xFFFFFFFF);
     }
+    if (started_) serve_place();
     if (!interface_) return Listening{local_, io_port()};
     return Listening{local_, io_port(), interface_->mask, interface_->name};
 }
@@ -153,18 +159,23 @@ void TargetStation::mark_messages() {
 }
 
 void TargetStation::start() {
-    net::co_spawn(shared_.context, accept(), net::detached);
-    net::co_spawn(shared_.context, datagrams(unicast_), net::detached);
-    if (directed_.socket().is_open()) net::co_spawn(shared_.context, datagrams(directed_), net::detached);
-    if (limited_.socket().is_open()) net::co_spawn(shared_.context, datagrams(limited_), net::detached);
-    net::co_spawn(shared_.context, io(), net::detached);
+    started_ = true;
+    if (acceptor_.is_open()) serve_place();
     net::co_spawn(shared_.context, timer(), net::detached);
 }
 
-net::awaitable<void> TargetStation::accept() {
-    while (acceptor_.is_open()) {
+void TargetStation::serve_place() {
+    net::co_spawn(shared_.context, accept(place_), net::detached);
+    net::co_spawn(shared_.context, io(place_), net::detached);
+    for (auto* socket : {&unicast_, &directed_, &limited_}) {
+        if (socket->socket().is_open()) net::co_spawn(shared_.context, datagrams(*socket, place_), net::detached);
+    }
+}
+
+net::awaitable<void> TargetStation::accept(unsigned place) {
+    while (is_at(place)) {
         auto [error, socket] = co_await acceptor_.async_accept(awaited);
-        if (error == net::error::operation_aborted) co_return;
+        if (!is_at(place) || error == net::error::operation_aborted) co_return;
         if (error) {
             report(fmt::format("a connection could not be accepted: {}", error.message()));
             net::steady_timer pause(shared_.context, accept_pause);
@@ -252,11 +263,11 @@ net::awaitable<void> TargetStation::farewell(tcp::socket& socket, Target::Connec
     limit.cancel();
 }
 
-net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket) {
+net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket, unsigned place) {
     std::array<std::uint8_t, header_bytes + max_data_bytes> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    while (!stopped_) {
+    while (is_at(place)) {
         const auto [error] = co_await socket.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
-        if (error == net::error::operation_aborted) co_return;
+        if (!is_at(place) || error == net::error::operation_aborted) co_return;
         for (int i = 0; i < datagrams_at_once; ++i) {
             const auto datagram = socket.receive(buffer);
             if (!datagram) break;
@@ -271,10 +282,10 @@ net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket) {
     }
 }
 
-net::awaitable<void> TargetStation::io() {
-    while (!stopped_) {
+net::awaitable<void> TargetStation::io(unsigned place) {
+    while (is_at(place)) {
         const auto [error] = co_await io_.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
-        if (error == net::error::operation_aborted) co_return;
+        if (!is_at(place) || error == net::error::operation_aborted) co_return;
         receive_io();
         after_event();
     }
@@ -294,7 +305,10 @@ net::awaitable<void> TargetStation::timer() {
         timer_.expires_at(armed_.value_or(Time::max()));
         static_cast<void>(co_await timer_.async_wait(awaited));
         if (stopped_) co_return;
-        if (catch_up()) flush();
+        if (catch_up()) {
+            flush();
+            if (shared_.after_event) shared_.after_event();
+        }
         armed_ = target_.next_deadline();
     }
 }
@@ -327,6 +341,7 @@ void TargetStation::after_event() {
         armed_ = next;
         timer_.cancel();
     }
+    if (shared_.after_event) shared_.after_event();
 }
 
 void TargetStation::flush() {
@@ -357,13 +372,24 @@ void TargetStation::wake(Target::ConnectionId id) {
     found->second.socket->cancel(ignored);
 }
 
+void TargetStation::leave() {
+    ++place_;
+    close_sockets();
+}
+
 void TargetStation::shut_down() {
     stopped_ = true;
+    close_sockets();
+    timer_.cancel();
+}
+
+void TargetStation::close_sockets() {
     error_code ignored;
     acceptor_.close(ignored);
     for (auto* socket : {&unicast_, &directed_, &limited_}) socket->close();
     io_.close();
-    timer_.cancel();
+    interface_.reset();
+    dscp_.reset();
     close_expired();
     for (auto& [id, peer] : peers_) {
         peer.socket->shutdown(tcp::socket::shutdown_both, ignored);

@@ -29,14 +29,19 @@ public:
         std::function<void(const std::string&)> problem;
         /// The station's io_queue() has something to send.
         std::function<void(TargetStation&)> io_is_due;
+        /// Something has happened to the station's target, and what it had to say has left.
+        std::function<void()> after_event;
     };
 
     /// Both outlive the station.
     TargetStation(Target& target, const Shared& shared);
 
+    /// Before start() or after it. One that listens already leaves first.
     [[nodiscard]] boost::system::result<Listening, ListenError> listen(const ListenOptions& options);
     /// Serves from now on, once the context runs.
     void start();
+    /// Listens nowhere any more, and its connections end; the target's time goes on.
+    void leave();
     /// Closes everything; its coroutines end.
     void shut_down();
     /// Something has happened to the target outside of the station, at the time of now: what it has to say leaves.
@@ -54,12 +59,16 @@ private:
         if (shared_.problem) shared_.problem(line);
     }
 
-    boost::asio::awaitable<void> accept();
+    /// What serves one place ends when the station leaves it.
+    [[nodiscard]] bool is_at(unsigned place) const { return !stopped_ && place == place_; }
+    void serve_place();
+    void close_sockets();
+    boost::asio::awaitable<void> accept(unsigned place);
     boost::asio::awaitable<void> serve(boost::asio::ip::tcp::socket socket);
     boost::asio::awaitable<void> exchange(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
     boost::asio::awaitable<void> farewell(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
-    boost::asio::awaitable<void> datagrams(DatagramSocket& socket);
-    boost::asio::awaitable<void> io();
+    boost::asio::awaitable<void> datagrams(DatagramSocket& socket, unsigned place);
+    boost::asio::awaitable<void> io(unsigned place);
     boost::asio::awaitable<void> timer();
 
     /// The same after everything that the station itself brings to the target; the timer is set again.
@@ -98,6 +107,8 @@ private:
     std::optional<Time> armed_;
     std::optional<std::uint8_t> dscp_;  ///< that messages leave with
     Time latest_{};                     ///< that the target has been told
+    unsigned place_ = 0;                ///< counts the places that it has been at
+    bool started_ = false;
     bool stopped_ = false;
 };
 
