@@ -668,7 +668,7 @@ void Adapter::reset(enip::Time now) {
         network_.settings = defaults;
     }
     start_firmware();
-    apply_address();
+    apply_address(AddressChange::restart);
     if (restart_) {
         restart_(type);
     } else {
@@ -681,13 +681,13 @@ void Adapter::change_address(enip::Time now) {
     if (!address_due_ || *address_due_ > now) return;
     log_(LogLevel::info, "the address settings have changed: all connections are closed");
     give_address_up();
-    apply_address();
+    apply_address(AddressChange::set);
 }
 
-void Adapter::apply_address() {
+void Adapter::apply_address(AddressChange change) {
     address_due_.reset();
     if (change_address_) {
-        change_address_();
+        change_address_(change);
     } else {
         apply_address_settings(network_);
     }
@@ -760,7 +760,7 @@ void Adapter::restart_by_power() {
     reset_.reset();  // what a Reset asked for has happened
     shut_down();
     start_firmware();
-    apply_address();
+    apply_address(AddressChange::restart);
 }
 
 // The flash has been written up to now.

@@ -47,6 +47,9 @@ namespace servobus::adapter {
 
 class FileObject;
 
+/// Why the address is to be given up.
+enum class AddressChange : std::uint8_t { set, restart };
+
 class Adapter final : public enip::Target {
 public:
     /// The device must outlive the adapter. `seed` chooses session handles, connection ids and broadcast delays; the
@@ -80,7 +83,7 @@ public:
 
     /// What a Set of address or method does to the device's address (R-TCP-6): called when all connections are closed, a
     /// moment after the reply, and at each restart. Without it the settings are applied by apply_address_settings().
-    void on_address_change(std::function<void()> change) { change_address_ = std::move(change); }
+    void on_address_change(std::function<void(AddressChange)> change) { change_address_ = std::move(change); }
     /// All connections end, class 1 too, because the device gives its address up.
     void give_address_up();
 
@@ -184,7 +187,7 @@ private:
     [[nodiscard]] enip::Frame list(const enip::Frame& request, enip::Endpoint local) const;
     [[nodiscard]] bool delay(enip::Datagram datagram, const enip::Frame& request, enip::Time now);
     void reset(enip::Time now);
-    void apply_address();
+    void apply_address(AddressChange change);
     void change_address(enip::Time now);
     bool apply(const Happening& event, enip::Time now);
     bool begin(const NetworkFault& fault, enip::Time now);
@@ -235,7 +238,7 @@ private:
     std::uint8_t explicit_dscp_ = 0;
     bool wants_address_ = false;  ///< since the message that is being answered
     std::optional<enip::Time> address_due_{};
-    std::function<void()> change_address_;
+    std::function<void(AddressChange)> change_address_;
     std::function<std::uint16_t()> measure_cpu_;
     std::function<void(ResetType)> restart_;
     Playback playback_;

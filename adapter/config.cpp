@@ -11,6 +11,7 @@
 #include "adapter/fleet.hpp"
 #include "adapter/json_settings.hpp"
 #include "adapter/memory_settings.hpp"
+#include "adapter/start_address.hpp"
 #include "drive/lookup.hpp"
 #include "drive/text.hpp"
 #include "drive/xenax.hpp"
@@ -185,6 +186,11 @@ std::optional<FileError> read_members(const JsonDocument& document, Config& conf
         {"port", whole_number(config.port, 0, 65535)},
         {"io_port", whole_number(config.io_port, 0, 65535)},
         {"count", whole_number(config.count, 1, max_drives)},
+        {"manage_interface", text(config.manage_interface)},
+        {"network", section("network",
+                            [&](const json& value, const std::string& pointer) {
+                                return read_network(walk, value, pointer, config.network);
+                            })},
         {"log_level", one_of(config.log_level, levels)},
         {"axis", axis_setter(config)},
         {"seed", whole_number(config.seed, 0, max_seed)},
@@ -254,8 +260,8 @@ std::variant<Config, FileError> load_config(const std::filesystem::path& file) {
     return parse_config(std::get<std::string>(content));
 }
 
-Network make_network(const drive::Identity& identity) {
-    Network network;
+Network make_network(const drive::Identity& identity, NetworkSettings settings) {
+    Network network{.settings = std::move(settings), .state = {}};
     const auto serial = identity.serial_number;
     network.state.mac = {0x02,
                          0x00,

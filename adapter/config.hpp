@@ -28,6 +28,9 @@ struct Config {
     std::uint16_t port = 44818;
     std::optional<std::uint16_t> io_port{};  ///< of class 0 and 1; see enip::asio::ListenOptions
     std::size_t count = 1;                   ///< how many drives, at addresses from `bind` on
+    /// The interface whose address the drive decides, instead of `bind`.
+    std::optional<std::string> manage_interface{};
+    NetworkSettings network{};  ///< of a drive that has just come from the factory
     LogLevel log_level = LogLevel::info;
     /// The axis that somebody has chosen; without one it is default_axis, and any motor is accepted.
     std::optional<drive::AxisKind> axis{};
@@ -76,7 +79,7 @@ struct Config {
 
 /// The network of a device that has just come from the factory: the MAC address follows from the serial number, so that two
 /// drives on one network differ.
-[[nodiscard]] Network make_network(const drive::Identity& identity);
+[[nodiscard]] Network make_network(const drive::Identity& identity, NetworkSettings settings = {});
 
 /// The axis that is chosen, or the default one.
 [[nodiscard]] const drive::AxisKind& axis_of(const Config& config);

@@ -11,6 +11,7 @@
 
 #include "adapter/event_json.hpp"
 #include "adapter/flash_file.hpp"
+#include "adapter/network_json.hpp"
 #include "adapter/status_lights.hpp"
 #include "drive/ds402.hpp"
 
@@ -21,13 +22,14 @@ namespace {
 using Answer = nlohmann::ordered_json;
 using nlohmann::json;
 
-enum class Query : std::uint8_t { state, axis, connections, counters, lights, firmware };
-constexpr std::array<std::pair<std::string_view, Query>, 6> queries{{{"state", Query::state},
+enum class Query : std::uint8_t { state, axis, connections, counters, lights, firmware, network };
+constexpr std::array<std::pair<std::string_view, Query>, 7> queries{{{"state", Query::state},
                                                                      {"axis", Query::axis},
                                                                      {"connections", Query::connections},
                                                                      {"counters", Query::counters},
                                                                      {"lights", Query::lights},
-                                                                     {"firmware", Query::firmware}}};
+                                                                     {"firmware", Query::firmware},
+                                                                     {"network", Query::network}}};
 
 enum class Command : std::uint8_t { stop, download };
 constexpr std::array<std::pair<std::string_view, Command>, 2> commands{
@@ -248,6 +250,12 @@ Answer firmware_of(const Adapter& adapter) {
     return answer;
 }
 
+Answer network_of(Adapter& adapter) {
+    Answer answer{{"ok", true}};
+    answer.update(describe_network(adapter.network()));
+    return answer;
+}
+
 std::string tell(Adapter& adapter, Query query, const drive::AxisKind& axis, enip::Time now) {
     adapter.advance(now);
     switch (query) {
@@ -263,6 +271,8 @@ std::string tell(Adapter& adapter, Query query, const drive::AxisKind& axis, eni
             return text_of(lights_of(adapter, now));
         case Query::firmware:
             return text_of(firmware_of(adapter));
+        case Query::network:
+            return text_of(network_of(adapter));
     }
     return {};
 }

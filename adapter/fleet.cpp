@@ -46,7 +46,8 @@ std::variant<std::vector<std::string>, std::string> drive_addresses(const std::v
 
 Fleet::Member::Member(drive::Device made, const Config& config, std::uint64_t seed, LogSink log, DeviceFiles files)
     : device(std::move(made)),
-      adapter(device, config.limits, seed, std::move(log), make_network(device.identity()), std::move(files)) {
+      adapter(device, config.limits, seed, std::move(log), make_network(device.identity(), config.network),
+              std::move(files)) {
     adapter.on_restart([this, &config](ResetType type) { restart(type, config, device); });
     if (config.eds) return;
     adapter.on_revision([&config](const drive::Identity& identity) {

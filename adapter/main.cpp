@@ -18,6 +18,7 @@
 
 #include "adapter/access_file.hpp"
 #include "adapter/adapter.hpp"
+#include "adapter/address_manager.hpp"
 #include "adapter/axis_file.hpp"
 #include "adapter/config.hpp"
 #include "adapter/control.hpp"
@@ -39,6 +40,9 @@ namespace {
 
 using servobus::adapter::AccessFile;
 using servobus::adapter::AllowList;
+using servobus::adapter::Adapter;
+using servobus::adapter::AddressChange;
+using servobus::adapter::AddressManager;
 using servobus::adapter::Config;
 using servobus::adapter::Control;
 using servobus::adapter::DeviceFile;
@@ -63,6 +67,7 @@ struct Arguments {
     std::string config_file;
     std::optional<std::string> variant;
     std::vector<std::string> binds;
+    std::optional<std::string> manage_interface;
     std::optional<std::uint16_t> port;
     std::optional<std::uint16_t> io_port;
     std::optional<std::size_t> count;
@@ -161,6 +166,10 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
                    "IPv4 address to listen at (127.0.0.1 unless given); once for each drive, or the first of --count")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--manage-interface", arguments.manage_interface,
+                   "The drive comes to its address by itself, by DHCP unless told otherwise, and sets it on this "
+                   "interface; takes CAP_NET_RAW and CAP_NET_ADMIN")
+        ->type_name("IFACE");
     app.add_option("--count", arguments.count,
                    "How many drives, each at an address of its own, with a serial number of its own (1 unless given)")
         ->check(CLI::Range(std::size_t{1}, servobus::adapter::max_drives));
@@ -183,6 +192,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         "  servobus-adapter --bind 192.168.1.20      on the network; read SECURITY.md first\n"
         "  servobus-adapter --bind 192.168.1.20 --allow 192.168.1.7 --harden\n"
         "                                            for one controller alone\n"
+        "  servobus-adapter --manage-interface eth1  with an address of its own, from a DHCP server\n"
         "  servobus-adapter --bind 127.0.1.1 --count 8\n"
         "                                            eight of them, at 127.0.1.1 to 127.0.1.8\n"
         "  servobus-adapter --realtime 20 --lock-memory --cpu 1\n"
@@ -215,6 +225,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
 void override_with(const Arguments& arguments, Config& config) {
     if (arguments.variant) config.variant = *arguments.variant;
     if (!arguments.binds.empty()) config.bind = arguments.binds.front();
+    if (arguments.manage_interface) config.manage_interface = *arguments.manage_interface;
     if (arguments.io_port) config.io_port = *arguments.io_port;
     if (arguments.binds.size() > 1) config.count = arguments.binds.size();
     if (arguments.count) config.count = *arguments.count;
@@ -330,21 +341,27 @@ std::optional<int> load_files(Config& config, Files& files) {
     return std::nullopt;
 }
 
-void announce(const drive::Identity& identity, const Listening& listening) {
+void announce(const drive::Identity& identity, const Listening& listening, const Config& config) {
     const bool usual = listening.io_port == servobus::enip::io_port;
     const auto io = usual ? std::string() : fmt::format("; I/O data at UDP {}", listening.io_port);
+    const auto where = config.manage_interface
+                           ? fmt::format("has {} for itself and no address yet; port {}", *config.manage_interface,
+                                         listening.local.port)
+                           : fmt::format("listens at {}", servobus::enip::to_string(listening.local));
     fmt::print(
         "{} (vendor {}, device type {}, product code 0x{:04X}, revision {}.{}, serial number 0x{:08X}) "
-        "listens at {}, TCP and UDP{}\n",
+        "{}, TCP and UDP{}\n",
         identity.product_name, identity.vendor, identity.device_type, identity.product_code, identity.major_revision,
-        identity.minor_revision, identity.serial_number, servobus::enip::to_string(listening.local), io);
+        identity.minor_revision, identity.serial_number, where, io);
 }
 
-void announce_in_json(Fleet& fleet, const std::vector<std::string>& addresses, const std::vector<Listening>& places,
-                      const std::vector<std::string>& controls) {
+void announce_in_json(Fleet& fleet, const Config& config, const std::vector<std::string>& addresses,
+                      const std::vector<Listening>& places, const std::vector<std::string>& controls) {
     std::vector<servobus::adapter::ReadyDrive> drives;
     for (std::size_t i = 0; i < fleet.size(); ++i) {
-        drives.push_back({addresses[i], places[i].local.port, places[i].io_port, fleet[i].device.identity()});
+        const auto address = config.manage_interface ? std::nullopt : std::optional(addresses[i]);
+        drives.push_back(
+            {address, places[i].local.port, places[i].io_port, fleet[i].device.identity(), config.manage_interface});
     }
     fmt::print("{}\n", servobus::adapter::ready_line(drives, ::getpid(), controls));
 }
@@ -373,6 +390,11 @@ void read_port(const std::string& interface, servobus::adapter::NetworkState& ne
     network.ports[0] = [reader = std::move(reader)] { return reader->read(); };
 }
 
+void tell_of_host(Adapter& adapter) {
+    adapter.set_epoch(epoch_of_steady_clock());
+    adapter.measure_cpu([load = std::make_shared<CpuLoad>()] { return load->read(); });
+}
+
 // Nullopt, or the exit code.
 std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& config,
                           const std::vector<std::string>& addresses, std::vector<Listening>& places) {
@@ -387,8 +409,6 @@ std::optional<int> listen(TargetServer& server, Fleet& fleet, const Config& conf
         network.state.io_port = listening->io_port;
         read_port(listening->interface, network.state);
         servobus::adapter::apply_address_settings(network);
-        adapter.set_epoch(epoch_of_steady_clock());
-        adapter.measure_cpu([load = std::make_shared<CpuLoad>()] { return load->read(); });
         places.push_back(*listening);
     }
     return std::nullopt;
@@ -417,6 +437,31 @@ void show_status(TargetServer& server, Fleet& fleet, const std::shared_ptr<servo
     });
 }
 
+// The drive comes to its address by itself. Nullopt, or the exit code.
+std::optional<int> manage(TargetServer& server, Adapter& adapter, AddressManager& manager, const Config& config,
+                          spdlog::logger& logger) {
+    auto& state = adapter.network().state;
+    const auto& interface = *config.manage_interface;
+    const auto mac =
+        server.manage(adapter, manager,
+                      {.interface = interface,
+                       .port = config.port,
+                       .io_port = config.io_port,
+                       .listens = [&](const Listening& listening) {
+                           state.io_port = listening.io_port;
+                           logger.info("listens at {}, TCP and UDP", servobus::enip::to_string(listening.local));
+                       }});
+    if (!mac) return fail(cannot_listen, mac.error().reason);
+    state.mac = *mac;
+    state.address_service = servobus::adapter::AddressService::dhcp_and_bootp;
+    read_port(interface, state);
+    manager.on_loss([&] { adapter.give_address_up(); });
+    adapter.on_address_change(
+        [&](AddressChange change) { change == AddressChange::set ? manager.change_address() : manager.restart(); });
+    manager.restart();
+    return std::nullopt;
+}
+
 int serve(const Config& config, const Files& files, const std::vector<std::string>& addresses,
           const Arguments& arguments) {
     const auto& controls = arguments.controls;
@@ -436,16 +481,24 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     fleet.on_access(access_sink(logger, config.log_level, files.access_log));
     Control control(fleet[0].adapter, axis_of(config), addresses[0]);
     for (std::size_t i = 1; i < fleet.size(); ++i) control.add(fleet[i].adapter, addresses[i]);
+    for (std::size_t i = 0; i < fleet.size(); ++i) tell_of_host(fleet[i].adapter);
+    std::optional<AddressManager> manager;
     TargetServer server([&](const std::string& line) { logger->warn(line); });
     control.on_stop([&] { server.stop(); });
     std::vector<Listening> places;
-    if (const auto code = listen(server, fleet, config, addresses, places)) return *code;
+    if (config.manage_interface) {
+        manager.emplace(fleet[0].adapter.network(), unpredictable_seed(), servobus::adapter::Log(log));
+        if (const auto code = manage(server, fleet[0].adapter, *manager, config, *logger)) return *code;
+        places.push_back({.local = {0, config.port}, .io_port = config.io_port.value_or(servobus::enip::io_port)});
+    } else if (const auto code = listen(server, fleet, config, addresses, places)) {
+        return *code;
+    }
     if (const auto code = serve_lines(server, controls, control)) return *code;
     server.catch_signals();  // before anybody is told that it listens
     if (arguments.ready_json) {
-        announce_in_json(fleet, addresses, places, controls);
+        announce_in_json(fleet, config, addresses, places, controls);
     } else {
-        for (std::size_t i = 0; i < fleet.size(); ++i) announce(fleet[i].device.identity(), places[i]);
+        for (std::size_t i = 0; i < fleet.size(); ++i) announce(fleet[i].device.identity(), places[i], config);
     }
     std::fflush(stdout);
     if (fleet[0].device.has_machine()) logger->info("the axis is a {}", axis_of(config).name);
@@ -485,6 +538,11 @@ int run(int argc, char** argv) {
     override_with(arguments, config);
     Files files;
     if (const auto code = load_files(config, files)) return *code;
+    if (config.manage_interface && (config.count > 1 || !arguments.binds.empty())) {
+        return fail(wrong_usage,
+                    "--manage-interface is for one drive, which has an address of its own; leave out --bind "
+                    "and --count");
+    }
     const auto binds = arguments.binds.size() > 1 ? arguments.binds : std::vector{config.bind};
     const auto addresses = servobus::adapter::drive_addresses(binds, config.count);
     if (const auto* reason = std::get_if<std::string>(&addresses)) return fail(wrong_usage, *reason);

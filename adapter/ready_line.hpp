@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +13,11 @@
 namespace servobus::adapter {
 
 struct ReadyDrive {
-    std::string address;
-    std::uint16_t port = 0;     ///< TCP and UDP
-    std::uint16_t io_port = 0;  ///< UDP of class 0 and 1
+    std::optional<std::string> address;  ///< none yet: it comes to it by itself, on the interface
+    std::uint16_t port = 0;              ///< TCP and UDP
+    std::uint16_t io_port = 0;           ///< UDP of class 0 and 1
     drive::Identity identity;
+    std::optional<std::string> interface {};  ///< whose address the drive decides
 };
 
 /// Without its line end. `control` are the paths at which control lines are taken.

@@ -15,8 +15,8 @@ install(DIRECTORY drive cip assemblies eds enip adapter scanner DESTINATION ${CM
     PATTERN adapter/axis_file.hpp EXCLUDE PATTERN adapter/config.hpp EXCLUDE PATTERN adapter/file_settings.hpp EXCLUDE PATTERN adapter/control.hpp EXCLUDE
     PATTERN adapter/access_file.hpp EXCLUDE PATTERN adapter/flash_file.hpp EXCLUDE
     PATTERN adapter/terminal_sink.hpp EXCLUDE PATTERN adapter/event_json.hpp EXCLUDE PATTERN adapter/json_document.hpp EXCLUDE
-    PATTERN adapter/json_settings.hpp EXCLUDE PATTERN adapter/scenario.hpp EXCLUDE
-    PATTERN adapter/shipped_axis_files.hpp EXCLUDE PATTERN adapter/text_file.hpp EXCLUDE)
+    PATTERN adapter/json_settings.hpp EXCLUDE PATTERN adapter/network_json.hpp EXCLUDE PATTERN adapter/scenario.hpp EXCLUDE
+    PATTERN adapter/shipped_axis_files.hpp EXCLUDE PATTERN adapter/start_address.hpp EXCLUDE PATTERN adapter/text_file.hpp EXCLUDE)
 install(DIRECTORY drive/axes DESTINATION ${CMAKE_INSTALL_DATADIR}/servobus FILES_MATCHING PATTERN "*.json")
 install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
