@@ -143,6 +143,7 @@ void AddressManager::on_link(std::size_t, bool up, enip::Time now) {
     follow_settings();
     const bool came_back = up && !link_up_;
     link_up_ = up;
+    log_(LogLevel::info, up ? "the link is there" : "there is no link");
     detection_.on_link(up, now);
     if (!came_back || in_use_ || detection_.runs() || detection_.is_patient()) return;
     if (retry_) retry_ = now;  // R-ACD-3

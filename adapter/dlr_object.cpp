@@ -26,7 +26,9 @@ constexpr std::array<std::uint16_t, 11> all{1, 2, 3, 4, 5, 6, 7, 8, 10, 11, 12};
 
 constexpr std::uint8_t no_supervisor = 0xFF;
 constexpr std::uint16_t unknown_count = 0xFFFF;
-constexpr std::uint32_t beacon_node_that_flushes = 0x82;
+constexpr std::uint32_t announce_based = 0x01;
+constexpr std::uint32_t beacon_based = 0x02;
+constexpr std::uint32_t takes_flush_tables = 0x80;
 constexpr std::size_t configuration_octets = 12;
 constexpr std::size_t node_octets = 10;
 
@@ -79,7 +81,7 @@ cip::Status DlrObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value) 
             value.u8(ring_.supervisor_precedence);
             break;
         case capability:
-            value.u32(beacon_node_that_flushes);
+            value.u32((ring_.announce_based ? announce_based : beacon_based) | takes_flush_tables);
             break;
         default:
             return cip::GeneralStatus::attribute_not_supported;

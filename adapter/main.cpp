@@ -26,6 +26,7 @@
 #include "adapter/flash_file.hpp"
 #include "adapter/fleet.hpp"
 #include "adapter/ready_line.hpp"
+#include "adapter/ring_node.hpp"
 #include "adapter/scenario.hpp"
 #include "adapter/status_line.hpp"
 #include "adapter/terminal_sink.hpp"
@@ -39,10 +40,10 @@
 namespace {
 
 using servobus::adapter::AccessFile;
-using servobus::adapter::AllowList;
 using servobus::adapter::Adapter;
 using servobus::adapter::AddressChange;
 using servobus::adapter::AddressManager;
+using servobus::adapter::AllowList;
 using servobus::adapter::Config;
 using servobus::adapter::Control;
 using servobus::adapter::DeviceFile;
@@ -52,6 +53,7 @@ using servobus::adapter::Fleet;
 using servobus::adapter::LineSink;
 using servobus::adapter::LogLevel;
 using servobus::adapter::LogLine;
+using servobus::adapter::RingNode;
 using servobus::adapter::Timetable;
 using servobus::enip::asio::CpuLoad;
 using servobus::enip::asio::Listening;
@@ -68,6 +70,8 @@ struct Arguments {
     std::optional<std::string> variant;
     std::vector<std::string> binds;
     std::optional<std::string> manage_interface;
+    std::vector<std::string> ring_ports;
+    bool ring_announce = false;
     std::optional<std::uint16_t> port;
     std::optional<std::uint16_t> io_port;
     std::optional<std::size_t> count;
@@ -170,6 +174,15 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
                    "The drive comes to its address by itself, by DHCP unless told otherwise, and sets it on this "
                    "interface; takes CAP_NET_RAW and CAP_NET_ADMIN")
         ->type_name("IFACE");
+    auto* ring =
+        app.add_option("--ring-ports", arguments.ring_ports,
+                       "The two interfaces by which the drive is a node of a Device Level Ring; takes CAP_NET_RAW")
+            ->type_name("IFACE1,IFACE2")
+            ->delimiter(',')
+            ->expected(2);
+    app.add_flag("--ring-announce", arguments.ring_announce,
+                 "In the ring it looks at announcements, once a second, and not at beacons")
+        ->needs(ring);
     app.add_option("--count", arguments.count,
                    "How many drives, each at an address of its own, with a serial number of its own (1 unless given)")
         ->check(CLI::Range(std::size_t{1}, servobus::adapter::max_drives));
@@ -462,6 +475,13 @@ std::optional<int> manage(TargetServer& server, Adapter& adapter, AddressManager
     return std::nullopt;
 }
 
+// Nullopt, or the exit code.
+std::optional<int> join_ring(TargetServer& server, RingNode& node, const Arguments& arguments) {
+    if (arguments.ring_ports.empty()) return std::nullopt;
+    const auto error = server.join_ring(node, arguments.ring_ports);
+    return error ? std::optional(fail(cannot_listen, error->reason)) : std::nullopt;
+}
+
 int serve(const Config& config, const Files& files, const std::vector<std::string>& addresses,
           const Arguments& arguments) {
     const auto& controls = arguments.controls;
@@ -482,17 +502,21 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     Control control(fleet[0].adapter, axis_of(config), addresses[0]);
     for (std::size_t i = 1; i < fleet.size(); ++i) control.add(fleet[i].adapter, addresses[i]);
     for (std::size_t i = 0; i < fleet.size(); ++i) tell_of_host(fleet[i].adapter);
+    auto& network = fleet[0].adapter.network();
     std::optional<AddressManager> manager;
+    RingNode node(network.state, servobus::adapter::Log(log));
+    network.state.ring.announce_based = arguments.ring_announce;
     TargetServer server([&](const std::string& line) { logger->warn(line); });
     control.on_stop([&] { server.stop(); });
     std::vector<Listening> places;
     if (config.manage_interface) {
-        manager.emplace(fleet[0].adapter.network(), unpredictable_seed(), servobus::adapter::Log(log));
+        manager.emplace(network, unpredictable_seed(), servobus::adapter::Log(log));
         if (const auto code = manage(server, fleet[0].adapter, *manager, config, *logger)) return *code;
         places.push_back({.local = {0, config.port}, .io_port = config.io_port.value_or(servobus::enip::io_port)});
     } else if (const auto code = listen(server, fleet, config, addresses, places)) {
         return *code;
     }
+    if (const auto code = join_ring(server, node, arguments)) return *code;
     if (const auto code = serve_lines(server, controls, control)) return *code;
     server.catch_signals();  // before anybody is told that it listens
     if (arguments.ready_json) {
@@ -543,7 +567,8 @@ int run(int argc, char** argv) {
                     "--manage-interface is for one drive, which has an address of its own; leave out --bind "
                     "and --count");
     }
-    const auto binds = arguments.binds.size() > 1 ? arguments.binds : std::vector{config.bind};
+    const auto binds =
+        arguments.binds.size() > 1 ? arguments.binds : std::vector{config.manage_interface.value_or(config.bind)};
     const auto addresses = servobus::adapter::drive_addresses(binds, config.count);
     if (const auto* reason = std::get_if<std::string>(&addresses)) return fail(wrong_usage, *reason);
     if (const auto refused = servobus::enip::asio::apply(arguments.scheduling)) return fail(wrong_usage, *refused);

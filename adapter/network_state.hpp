@@ -19,6 +19,7 @@ struct RingStatus {
     std::uint32_t supervisor_address = 0;
     MacAddress supervisor_mac{};
     std::uint8_t supervisor_precedence = 0;  ///< attribute 11
+    bool announce_based = false;             ///< it looks at announcements, not at beacons: attribute 12
 };
 
 /// Who cares for the address of the device: bit 0 of attribute 2 of 0xF5 (R-TCP-3).

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "enip/asio/line_server.hpp"
+#include "enip/asio/link_station.hpp"
 #include "enip/asio/managed_interface.hpp"
 #include "enip/asio/target_station.hpp"
 
@@ -41,6 +42,7 @@ public:
     boost::system::result<Listening, ListenError> listen(Target& target, const ListenOptions& options);
     boost::system::result<std::array<std::uint8_t, 6>, ListenError> manage(Target& target, AddressUser& user,
                                                                            ManageOptions options);
+    std::optional<ListenError> join_ring(LinkUser& user, const std::vector<std::string>& interfaces);
     std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
     void every(std::chrono::milliseconds interval, std::function<void(Time)> look);
     void catch_signals();
@@ -72,6 +74,7 @@ private:
     net::signal_set signals_;
     std::vector<std::unique_ptr<TargetStation>> stations_;
     std::unique_ptr<ManagedInterface> managed_;
+    std::unique_ptr<LinkStation> ring_;
     std::vector<std::unique_ptr<LineServer>> lines_;
     std::vector<std::unique_ptr<Onlooker>> onlookers_;
     IoQueue gathered_;  ///< of several stations, on its way through the socket of the first
@@ -94,6 +97,12 @@ boost::system::result<std::array<std::uint8_t, 6>, ListenError> TargetServer::Im
     managed_ = std::make_unique<ManagedInterface>(context_, station, user, shared_.problem);
     if (auto failed = managed_->open(std::move(options))) return *std::move(failed);
     return managed_->mac();
+}
+
+std::optional<ListenError> TargetServer::Impl::join_ring(LinkUser& user, const std::vector<std::string>& interfaces) {
+    ring_ = std::make_unique<LinkStation>(context_, user, Traffic::ring, [] {});
+    if (auto reason = ring_->open(interfaces)) return ListenError{*std::move(reason)};
+    return std::nullopt;
 }
 
 std::optional<ListenError> TargetServer::Impl::serve_lines(const LineService& service, const std::string& where) {
@@ -135,6 +144,7 @@ void TargetServer::Impl::run(const std::function<void()>& stopping) {
     stopping_ = stopping;
     for (const auto& station : stations_) station->start();
     if (managed_) managed_->start();
+    if (ring_) ring_->start();
     for (const auto& lines : lines_) lines->start();
     for (const auto& onlooker : onlookers_) net::co_spawn(context_, look_on(*onlooker), net::detached);
     context_.run();
@@ -180,6 +190,7 @@ void TargetServer::Impl::shut_down() {
     for (const auto& onlooker : onlookers_) onlooker->timer.cancel();
     for (const auto& station : stations_) station->shut_down();
     if (managed_) managed_->shut_down();  // when nobody uses the address any more
+    if (ring_) ring_->shut_down();
 }
 
 TargetServer::TargetServer(std::function<void(const std::string&)> problem)
@@ -194,6 +205,10 @@ boost::system::result<Listening, ListenError> TargetServer::listen(Target& targe
 boost::system::result<std::array<std::uint8_t, 6>, ListenError> TargetServer::manage(Target& target, AddressUser& user,
                                                                                      ManageOptions options) {
     return impl_->manage(target, user, std::move(options));
+}
+
+std::optional<ListenError> TargetServer::join_ring(LinkUser& user, const std::vector<std::string>& interfaces) {
+    return impl_->join_ring(user, interfaces);
 }
 
 std::optional<ListenError> TargetServer::serve_lines(const LineService& service, const std::string& where) {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "enip/asio/line_service.hpp"
 #include "enip/encapsulation.hpp"
@@ -64,6 +65,10 @@ public:
     [[nodiscard]] boost::system::result<std::array<std::uint8_t, 6>, ListenError> manage(Target& target,
                                                                                          AddressUser& user,
                                                                                          ManageOptions options);
+
+    /// `user` hears and sends the frames of Device Level Ring on these interfaces, its first port first. It outlives the
+    /// server. Before run().
+    [[nodiscard]] std::optional<ListenError> join_ring(LinkUser& user, const std::vector<std::string>& interfaces);
 
     /// Answers lines of text too, on the thread of run() and with the same clock as the targets: "-" means standard input
     /// and output, anything else is the path of a Unix-domain socket. Any number of these, before run().

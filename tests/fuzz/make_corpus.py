@@ -16,6 +16,7 @@ SHEETS = Path(__file__).resolve().parents[1] / "eds" / "sheets"
 HEADER = 24          # encapsulation
 SEND_DATA = 6        # interface handle, timeout
 WHOLE = bytes([0xFF, 0xFF])  # the largest limit and pieces, no hurry
+DHCP, HEARD = 2, 0x10  # a node that asks for an address; a frame at its first port
 CONNECTION_MANAGER = bytes.fromhex("20062401")
 
 
@@ -53,6 +54,7 @@ def seeds(vectors):
     for vector in vectors:
         octets, requested = bytes.fromhex(vector["hex"]), vector["direction"] == "O->T"
         if vector["transport"] == "eth":
+            yield "fuzz_link", bytes([DHCP, HEARD]) + len(octets).to_bytes(2, "little") + octets
             continue
         if vector["port"] == 2222:
             yield "fuzz_common_packet", octets
