@@ -82,6 +82,7 @@ const std::vector<Attribute>& attributes() {
         {0x06, 1, 12, get, "0000C000"},
         {0x06, 1, 13, get, "0000C000"},
         // File (R-FIL-2)
+        {0x37, 1, 6, get, "03000000", {}, {}, "R-FIL-1: the same file"},
         {0x37, 0xC8, 1, get, "02"},
         {0x37, 0xC8, 2, get, "01 656E67 DA 0400 12 45445320616E642049636F6E2046696C6573"},
         {0x37, 0xC8, 3, get, "0100"},
@@ -181,6 +182,7 @@ const std::vector<Class>& classes() {
         {0x01, 1, 1, 1, 7, 8, {0x01, 0x03, 0x05, 0x0E}, "0100 0100 0700 0800"},
         {0x04, 2, 255, 11, 7, 4, {0x0E, 0x10}},
         {0x06, 1, 1, 1, 7, 13, {0x0E, 0x10, 0x4E, 0x52, 0x54, 0x56, 0x57, 0x5A, 0x5B}},
+        {0x37, 3, 0xC8, 1, 32, 11, {0x0E, 0x4B, 0x4F}},
         {0x47, 3, 1, 1, 7, 12, {0x01, 0x0E}},
         {0x48, 1, 1, 1, 7, 8, {0x0E, 0x10}},
         {0xF4, 1, 1, 1, 9, 7, {0x01, 0x0E}, "0100 0100 0100 0100 00000000 0400 0200"},
@@ -195,6 +197,11 @@ adapter::Network network() {
     network.state.interface.address = AdapterHarness::local.address;
     network.state.interface.mask = 0xFFFFFF00;
     return network;
+}
+
+adapter::DeviceFiles files() {
+    return {.eds = adapter::DeviceFile{.content = std::make_shared<const cip::Bytes>(octets("010203")),
+                                       .name = "XENAX_XVI_75V8S_EtherNetIP.eds"}};
 }
 
 class StandardObjects : public testing::Test {
@@ -222,8 +229,7 @@ protected:
         return fmt::format("0x{:02X}/{}/{} {}", row.class_id, row.instance, row.id, row.rule);
     }
 
-    AdapterHarness device_{
-        drive::Device(drive::xenax_models().front()), {}, network(), adapter::DeviceFile{.content = octets("010203")}};
+    AdapterHarness device_{drive::Device(drive::xenax_models().front()), {}, network(), files()};
 };
 
 TEST_F(StandardObjects, HaveTheirValues) {
@@ -336,7 +342,7 @@ TEST_F(StandardObjects, R_OBJ_1_ClassAttributes) {
         EXPECT_EQ(get(3), number(each.instances)) << each.id;
         EXPECT_EQ(get(6), number(each.max_class_attribute)) << each.id;
         EXPECT_EQ(get(7), number(each.max_attribute)) << each.id;
-        for (const unsigned id : {0, 4, 5, 10, 32}) EXPECT_EQ(get(id), refused(0x0E, 0x14)) << each.id << "/" << id;
+        for (const unsigned id : {0, 4, 5, 10, 31}) EXPECT_EQ(get(id), refused(0x0E, 0x14)) << each.id << "/" << id;
         EXPECT_EQ(device_.call("10 " + path(each.id, 0, 1) + "0100"), refused(0x10, 0x08)) << each.id;
         EXPECT_EQ(device_.call(fmt::format("01 02 20 {:02X} 24 00", each.id)),
                   each.all.empty() ? refused(0x01, 0x08) : hex("81 00 00 00" + each.all))
@@ -344,7 +350,10 @@ TEST_F(StandardObjects, R_OBJ_1_ClassAttributes) {
     }
     EXPECT_EQ(device_.call("0E 03 20 F4 24 00 30 08"), told("0100")) << "R-PRT-1";
     EXPECT_EQ(device_.call("0E 03 20 F4 24 00 30 09"), told("00000000 0400 0200")) << "R-PRT-1";
-    EXPECT_EQ(device_.call("0E 03 20 37 24 00 30 01"), told("0300")) << "R-OBJ-2";
+    EXPECT_EQ(device_.call("0E 03 20 37 24 00 30 20"),
+              told("C800 01 656E67 DA 0400 12 45445320616E642049636F6E2046696C6573"
+                   "01 656E67 DA 0400 1E 58454E41585F5856495F37355638535F45746865724E657449502E656473"))
+        << "R-FIL-3";
     EXPECT_EQ(device_.call("0E 03 20 02 24 00 30 01"), told("0100")) << "R-OBJ-2";
 }
 
