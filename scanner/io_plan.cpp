@@ -47,12 +47,16 @@ cip::Path IoPlan::path() const {
     auto& segments = path.segments;
     if (key) segments.emplace_back(*key);
     if (inhibit) segments.emplace_back(cip::production_inhibit_segment(microseconds(*inhibit)));
-    segments.emplace_back(cip::logical(cip::LogicalType::class_id, cip::class_id::assembly));
-    if (configuration_instance) {
-        segments.emplace_back(cip::logical(cip::LogicalType::instance, *configuration_instance));
+    if (application_path) {
+        segments.insert(segments.end(), application_path->segments.begin(), application_path->segments.end());
+    } else {
+        segments.emplace_back(cip::logical(cip::LogicalType::class_id, cip::class_id::assembly));
+        if (configuration_instance) {
+            segments.emplace_back(cip::logical(cip::LogicalType::instance, *configuration_instance));
+        }
+        segments.emplace_back(cip::logical(cip::LogicalType::connection_point, o_to_t.point));
+        segments.emplace_back(cip::logical(cip::LogicalType::connection_point, t_to_o.point));
     }
-    segments.emplace_back(cip::logical(cip::LogicalType::connection_point, o_to_t.point));
-    segments.emplace_back(cip::logical(cip::LogicalType::connection_point, t_to_o.point));
     if (!configuration.empty()) segments.emplace_back(cip::DataSegment{configuration});
     return path;
 }

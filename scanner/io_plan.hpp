@@ -35,6 +35,8 @@ struct IoDirection {
 struct IoPlan {
     cip::Path route{};  ///< hops to the device, port segments only
     std::optional<cip::ElectronicKey> key{};
+    /// What stands between key and configuration data where it is not the usual class, instance and points.
+    std::optional<cip::Path> application_path{};
     std::optional<std::uint32_t> configuration_instance{assemblies::configuration_instance};
     cip::Bytes configuration{};  ///< a whole number of words
     IoDirection o_to_t{.format = cip::RealTimeFormat::header32};

@@ -29,8 +29,10 @@ _servobus_scanner() {
                 @AXIS_PATTERN@) sub=${COMP_WORDS[i]} ;;
             esac
         done
+    elif [[ $verb == eds ]] && ((COMP_CWORD > at + 1)); then
+        sub=${COMP_WORDS[at + 1]}
     fi
-    if [[ ${COMP_WORDS[COMP_CWORD - 1]} == --@(trace|out|csv|pcapng) ]]; then
+    if [[ ${COMP_WORDS[COMP_CWORD - 1]} == -@(o|-trace|-out|-output|-csv|-pcapng|-eds) ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$current")
         return
     elif [[ ${COMP_WORDS[COMP_CWORD - 1]} == --connection ]]; then
@@ -44,7 +46,12 @@ _servobus_scanner() {
         words="@VERBS@"
     elif [[ $verb == completion ]]; then
         words="bash zsh fish"
-    elif ((COMP_CWORD > at + 1)); then
+    elif [[ $verb == eds && -z $sub ]]; then
+        words="@EDS_VERBS@"
+    elif [[ $sub == @(lint|show) || $sub == check && $COMP_CWORD -gt $((at + 2)) ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$current")
+        return
+    elif [[ $verb != eds ]] && ((COMP_CWORD > at + 1)); then
         case $verb in
             get | set | call) words=$("$program" list --names 2>/dev/null) ;;
             command) words=$("$program" list --names --commands 2>/dev/null) ;;
@@ -75,13 +82,16 @@ constexpr std::string_view zsh_script = R"sh(#compdef servobus-scanner
 # zsh completion for servobus-scanner.
 # Load it with: source <(servobus-scanner completion zsh)
 _servobus_scanner() {
-    local -a verbs axis_verbs names
+    local -a verbs axis_verbs eds_verbs names
     local verb= sub= at=0 i
     verbs=(
 @VERB_LINES@
     )
     axis_verbs=(
 @AXIS_LINES@
+    )
+    eds_verbs=(
+@EDS_LINES@
     )
     for ((i = 2; i < CURRENT; i++)); do
         case $words[i] in
@@ -94,8 +104,10 @@ _servobus_scanner() {
                 @AXIS_PATTERN@) sub=$words[i] ;;
             esac
         done
+    elif [[ $verb == eds ]] && ((CURRENT > at + 1)); then
+        sub=$words[at + 1]
     fi
-    if [[ $words[CURRENT - 1] == (--trace|--out|--csv|--pcapng) ]]; then
+    if [[ $words[CURRENT - 1] == (-o|--trace|--out|--output|--csv|--pcapng|--eds) ]]; then
         _files
     elif [[ $words[CURRENT - 1] == --connection ]]; then
         compadd -- @CONNECTIONS@
@@ -108,6 +120,12 @@ _servobus_scanner() {
         _describe verb verbs
     elif [[ $verb == completion ]]; then
         compadd -- bash zsh fish
+    elif [[ $verb == eds && -z $sub ]]; then
+        _describe verb eds_verbs
+    elif [[ $sub == (lint|show) ]] || [[ $sub == check ]] && ((CURRENT > at + 2)); then
+        _files
+    elif [[ $verb == eds ]]; then
+        _hosts
     elif [[ $verb == list ]] || ((CURRENT > at + 1)); then
         case $verb in
             get | call | list) names=(${(f)"$($words[1] list --names 2>/dev/null)"}); compadd -a names ;;
@@ -140,6 +158,8 @@ complete -c servobus-scanner -n '__fish_seen_subcommand_from set' -a '(servobus-
 complete -c servobus-scanner -n '__fish_seen_subcommand_from command' -a '(servobus-scanner list --names --commands)'
 complete -c servobus-scanner -n '__fish_seen_subcommand_from identity dump io open' -a '(__fish_print_hostnames)'
 complete -c servobus-scanner -n '__fish_seen_subcommand_from jog' -a 'positive negative'
+complete -c servobus-scanner -n '__fish_seen_subcommand_from lint show check' -F
+complete -c servobus-scanner -n '__fish_seen_subcommand_from upload check' -a '(__fish_print_hostnames)'
 )sh";
 
 std::string replaced(std::string text, std::string_view mark, std::string_view with) {
@@ -215,6 +235,7 @@ std::optional<std::string> completion_script(std::string_view shell, const std::
                           option_cases(verbs, "            {}) compadd -- {} ;;"));
         script = replaced(std::move(script), "@VERB_LINES@", zsh_verb_lines(verbs));
         script = replaced(std::move(script), "@AXIS_LINES@", zsh_verb_lines(verbs_of(verbs, "axis")));
+        script = replaced(std::move(script), "@EDS_LINES@", zsh_verb_lines(verbs_of(verbs, "eds")));
     } else if (shell == "fish") {
         return replaced(std::string(fish_script), "@FISH_LINES@", fish_lines(verbs));
     } else {
@@ -225,6 +246,8 @@ std::optional<std::string> completion_script(std::string_view shell, const std::
     const auto traced = names(verbs_of(axis, "trace"));
     script = replaced(std::move(script), "@AXIS_PATTERN@", fmt::format("{}", fmt::join(names(axis), " | ")));
     script = replaced(std::move(script), "@AXIS_VERBS@", fmt::format("{}", fmt::join(names(axis), " ")));
+    script =
+        replaced(std::move(script), "@EDS_VERBS@", fmt::format("{}", fmt::join(names(verbs_of(verbs, "eds")), " ")));
     script = replaced(std::move(script), "@TRACED_VERBS@", fmt::format("{}", fmt::join(traced, " ")));
     script = replaced(std::move(script), "@VERBS@", fmt::format("{}", fmt::join(names(verbs), " ")));
     script = replaced(std::move(script), "@VERB_PATTERN@", fmt::format("{}", fmt::join(names(verbs), " | ")));

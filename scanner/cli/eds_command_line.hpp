@@ -24,10 +24,14 @@ private:
     CLI::App& add_verb(CLI::App& eds, const std::string& name, const std::string& description,
                        const std::string& examples, Action action);
     void add_upload(CLI::App& eds);
+    void add_check(CLI::App& eds);
+    void add_reading(CLI::App& eds);
 
     std::function<void(CLI::App&)> decorate_;
     std::function<void(Action)> choose_;
     EdsUploadArguments upload_;
+    EdsCheckArguments check_;
+    std::string file_;
 };
 
 }  // namespace servobus::scanner::cli

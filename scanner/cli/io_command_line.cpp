@@ -17,9 +17,12 @@ constexpr auto io_examples =
     "  servobus-scanner io 192.168.2.100\n"
     "  servobus-scanner io 192.168.2.100 --rpi 2 --set TargetPositionOrDistance=1000 --duration 10\n"
     "  servobus-scanner io 192.168.2.100 --connection input-only --csv inputs.csv\n"
+    "  servobus-scanner io 192.168.1.20 --eds valve.eds 'Exclusive Owner' --set Valve1=On\n"
     "  servobus-scanner io 192.168.1.20 --o2t 150 --o2t-size 8 --t2o 100 --t2o-size 8 --config-instance 151\n"
-    "\nThe outputs of a XENAX begin as the drive has them, so that opening changes nothing; those of other devices\n"
-    "begin with zeros. A drive whose connection ends stops. Ctrl-C closes the connection; a second one leaves at once.";
+    "\nThe outputs of a XENAX, and those that a data sheet names, begin as the device has them, so that opening "
+    "changes\n"
+    "nothing; all others begin with zeros. A drive whose connection ends stops. Ctrl-C closes the connection; a second "
+    "one leaves at once.";
 constexpr auto open_examples =
     "Examples:\n"
     "  servobus-scanner open 192.168.2.100\n"
@@ -51,11 +54,22 @@ CLI::App& IoCommandLine::add_verb(CLI::App& app, const std::string& name, const 
     verb.add_option("HOST", arguments_.host, "Name or address of the device, with :PORT if it is not 44818")
         ->required()
         ->type_name("");
+    verb.add_option("CONNECTION", positional_, "The same as --connection")->type_name("");
+    verb.add_option("--eds", arguments_.connection.eds,
+                    "The connections of this data sheet: --connection takes a name, the beginning of one, or a number")
+        ->type_name("FILE");
     add_connection_option(verb, arguments_.connection);
     add_numbers(verb);
     add_interval_option(verb, arguments_.connection, "10");
     add_manners(verb);
     return verb;
+}
+
+void IoCommandLine::take_positional() {
+    if (positional_.empty()) return;
+    auto& connection = arguments_.connection.connection;
+    if (!connection.empty()) throw CLI::ValidationError("CONNECTION", "it is given as --connection already");
+    connection = positional_;
 }
 
 void IoCommandLine::add_numbers(CLI::App& verb) {
@@ -92,7 +106,8 @@ void IoCommandLine::add_manners(CLI::App& verb) {
     verb.add_flag("--variable", to.variable, "Sizes may vary from datagram to datagram");
     verb.add_flag("--large", to.large, "A Large_Forward_Open also where a small one would do");
     add_text(verb, "--key", to.key, "KEY",
-             "Electronic key: none, VENDOR/TYPE/PRODUCT/MAJOR.MINOR, or auto: as the device says (none)");
+             "Electronic key: none, VENDOR/TYPE/PRODUCT/MAJOR.MINOR, auto: as the device says, eds: as the file says "
+             "(none)");
 }
 
 void IoCommandLine::add_files(CLI::App& verb) {
@@ -132,11 +147,13 @@ void IoCommandLine::add_to(CLI::App& app, const std::function<void(CLI::App&)>& 
     add_scheduling(io_verb);
     io_verb.footer(io_examples);
     io_verb.callback([this, choose] {
+        take_positional();
         choose([this](const Console& console, const Settings& settings) { return io(console, settings, arguments_); });
     });
     auto& open_verb = add_verb(app, "open", "Open an I/O connection, and say that it works or why it does not");
     open_verb.footer(open_examples);
     open_verb.callback([this, choose] {
+        take_positional();
         choose(
             [this](const Console& console, const Settings& settings) { return open(console, settings, arguments_); });
     });

@@ -28,6 +28,7 @@ public:
                 const std::function<void(Action)>& choose);
 
 private:
+    void take_positional();
     CLI::App& add_verb(CLI::App& app, const std::string& name, const std::string& description);
     void add_numbers(CLI::App& verb);
     void add_manners(CLI::App& verb);
@@ -36,6 +37,7 @@ private:
 
     std::function<void(CLI::App&)> decorate_;
     IoArguments arguments_;
+    std::string positional_;
 };
 
 }  // namespace servobus::scanner::cli

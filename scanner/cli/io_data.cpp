@@ -8,18 +8,24 @@
 #include <cctype>
 
 #include "assemblies/parameter_value.hpp"
+#include "cip/hex.hpp"
 #include "cip/wire.hpp"
 #include "drive/lookup.hpp"
 #include "drive/text.hpp"
 #include "drive/xenax.hpp"
 #include "scanner/axis_state.hpp"
+#include "scanner/cli/text_output.hpp"
 #include "scanner/cli/typed_value.hpp"
 #include "scanner/cli/what.hpp"
+#include "scanner/sheet_value.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
 
 using Kind = assemblies::Member::Kind;
+// Those of a data sheet; what is called so in here is about the drive's table.
+using scanner::limits_text;
+using scanner::value_text;
 
 constexpr std::string_view padding_name = "Padding";
 constexpr std::string_view time_stamp_name = "TimeStamp";
@@ -37,11 +43,33 @@ bool same_variable(const drive::Parameter& a, const drive::Parameter& b) {
     return a.same_as.value_or(a.key()) == b.same_as.value_or(b.key());
 }
 
+/// The octets of a field, moved down to their first bit.
+cip::Bytes octets_in(const IoField& field, cip::ByteView data) {
+    const auto octets = data.subspan(field.offset, field.octets);
+    if (field.bits == 0) return {octets.begin(), octets.end()};
+    cip::Bytes moved((field.bits + 7) / 8);
+    for (std::size_t bit = 0; bit < field.bits; ++bit) {
+        const auto from = field.first_bit + bit;
+        const unsigned value = octets[from / 8] >> (from % 8) & 1U;
+        moved[bit / 8] = static_cast<std::uint8_t>(moved[bit / 8] | value << (bit % 8));
+    }
+    return moved;
+}
+
 std::uint64_t raw_in(const IoField& field, cip::ByteView data) {
     std::uint64_t raw = 0;
-    const auto octets = data.subspan(field.offset, field.octets);
+    const auto octets = octets_in(field, data);
     for (std::size_t i = octets.size(); i-- > 0;) raw = raw << 8 | octets[i];
     return raw;
+}
+
+/// What a data sheet's parameter says of the octets of a field, which may be fewer bits than its type has.
+std::optional<eds::Value> sheet_value_in(const IoField& field, cip::ByteView data) {
+    if (field.parameter == nullptr) return std::nullopt;
+    auto octets = octets_in(field, data);
+    const auto size = value_octets(*field.parameter, octets);
+    if (size && octets.size() < *size && *size <= sizeof(std::uint64_t)) octets.resize(*size);
+    return decode(*field.parameter, octets);
 }
 
 cip::Bytes little_endian(std::uint64_t raw, std::size_t size) {
@@ -63,12 +91,43 @@ std::string names_of(const IoFields& fields) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-Mistake not_there(std::string_view name, const IoOutputs& outputs, const IoFields& fields) {
-    if (outputs.layout == nullptr) {
+Mistake not_there(std::string_view name, const IoOutputs& outputs) {
+    if (outputs.fields.empty()) {
         return {
             fmt::format("'{}': these outputs have no names; write @OFFSET:TYPE=VALUE, for example @0:DINT=5", name)};
     }
-    return {fmt::format("'{}' is not in assembly {}, which has {}", name, outputs.layout->instance, names_of(fields))};
+    return {fmt::format("'{}' is not in {}, which has {}", name, outputs.name, names_of(outputs.fields))};
+}
+
+/// Case, blanks and punctuation do not count, save what tells two of one name apart.
+std::string plain(std::string_view name) {
+    std::string word;
+    for (const unsigned char c : name) {
+        if (std::isalnum(c) != 0 || c >= 0x80 || c == '#') word += static_cast<char>(std::tolower(c));
+    }
+    return word;
+}
+
+Parsed<IoChange> sheet_change(const IoField& field, std::string_view text) {
+    if (field.parameter == nullptr) {
+        const auto number = drive::parse_number(text);
+        if (!number) return Mistake{fmt::format("{}: '{}' is no number", field.label, text)};
+        return IoChange{field.offset, little_endian(static_cast<std::uint64_t>(*number), (field.bits + 7) / 8),
+                        field.first_bit, field.bits};
+    }
+    const auto value = parse_value(*field.parameter, text);
+    if (!value) return Mistake{fmt::format("{}: {}", field.label, printable(value.error().text))};
+    if (!within_limits(*field.parameter, *value)) {
+        return Mistake{fmt::format("{}: it takes {}; @OFFSET:TYPE=VALUE sends anything", field.label,
+                                   printable(limits_text(*field.parameter)))};
+    }
+    auto octets = *field.parameter->encode(*value);
+    const auto room = (field.bits + 7) / 8;
+    if (octets.size() > room && octets.size() > sizeof(std::uint64_t)) {
+        return Mistake{fmt::format("{}: '{}' is longer than its {} octets", field.label, text, room)};
+    }
+    octets.resize(room);
+    return IoChange{field.offset, std::move(octets), field.first_bit, field.bits};
 }
 
 /// Padding and time stamps are in no table.
@@ -79,20 +138,20 @@ Parsed<IoChange> unnamed_change(const IoField& field, std::string_view text) {
 }
 
 Parsed<IoChange> named_change(std::string_view name, std::string_view text, const IoOutputs& outputs) {
-    const auto fields = outputs.layout != nullptr ? fields_of(*outputs.layout) : IoFields();
-    for (const auto& field : fields) {
+    for (const auto& field : outputs.fields) {
+        if (!field.label.empty() && plain(field.label) == plain(name)) return sheet_change(field, text);
         if (field.kind != Kind::parameter && same_word(field.name(), name)) return unnamed_change(field, text);
     }
-    if (outputs.layout == nullptr) return not_there(name, outputs, fields);
+    if (outputs.layout == nullptr) return not_there(name, outputs);
     const auto what = parse_what(name);
     if (!what) return what.error();
-    const auto* field = what->row() != nullptr ? find_field(fields, *what->row()) : nullptr;
-    if (field == nullptr) return not_there(name, outputs, fields);
+    const auto* field = what->row() != nullptr ? find_field(outputs.fields, *what->row()) : nullptr;
+    if (field == nullptr) return not_there(name, outputs);
     auto value = drive::parse(*field->row, text);
     if (const auto* error = std::get_if<drive::ParseError>(&value)) {
         return Mistake{fmt::format("{}: {}", name, error->reason)};
     }
-    return *change_of(fields, *field->row, std::get<drive::Value>(value));
+    return *change_of(outputs.fields, *field->row, std::get<drive::Value>(value));
 }
 
 /// `OFFSET:TYPE` and a value.
@@ -116,7 +175,7 @@ Parsed<IoChange> placed_change(std::string_view place, std::string_view text, co
 std::string IoField::name() const {
     switch (kind) {
         case Kind::parameter:
-            return display_name(*row);
+            return row != nullptr ? display_name(*row) : label;
         case Kind::padding:
             return std::string(padding_name);
         case Kind::time_stamp:
@@ -125,9 +184,15 @@ std::string IoField::name() const {
     return {};
 }
 
-std::string_view IoField::unit() const {
+std::string IoField::unit() const {
     if (kind == Kind::time_stamp) return "us";
-    return row != nullptr ? row->unit : std::string_view();
+    if (parameter != nullptr) return printable(parameter->units);
+    return row != nullptr ? std::string(row->unit) : std::string();
+}
+
+IoOutputs IoOutputs::of(const assemblies::Layout* layout) {
+    if (layout == nullptr) return {};
+    return {layout, layout->size(), fields_of(*layout), fmt::format("assembly {}", layout->instance)};
 }
 
 IoFields fields_of(const assemblies::Layout& layout) {
@@ -136,20 +201,30 @@ IoFields fields_of(const assemblies::Layout& layout) {
     for (const auto& member : layout.members) {
         const auto* row = member.kind == Kind::parameter ? find_row(member.key) : nullptr;
         assert(member.kind != Kind::parameter || row != nullptr);
-        fields.push_back({member.kind, row, offset, member.octets});
+        fields.push_back({.kind = member.kind, .row = row, .offset = offset, .octets = member.octets});
         offset += member.octets;
     }
     return fields;
 }
 
 std::int64_t number_in(const IoField& field, cip::ByteView data) {
+    if (const auto value = sheet_value_in(field, data)) {
+        if (const auto* whole = std::get_if<std::int64_t>(&*value)) return *whole;
+    }
     if (field.row == nullptr) return static_cast<std::int64_t>(raw_in(field, data));
     const auto value = assemblies::read_value(*field.row, data.subspan(field.offset, field.octets));
     const auto* number = value ? std::get_if<std::int64_t>(&*value) : nullptr;
     return number != nullptr ? *number : 0;
 }
 
+eds::Value value_in(const IoField& field, cip::ByteView data) {
+    if (const auto value = sheet_value_in(field, data)) return engineering(*field.parameter, *value);
+    return number_in(field, data);
+}
+
 std::string text_in(const IoField& field, cip::ByteView data) {
+    if (const auto value = sheet_value_in(field, data)) return printable(value_text(*field.parameter, *value));
+    if (field.bits > 64) return cip::to_hex(octets_in(field, data));
     const auto number = number_in(field, data);
     return field.row != nullptr ? drive::format(*field.row, number) : fmt::format("{}", number);
 }
@@ -187,21 +262,35 @@ Parsed<IoChange> parse_change(std::string_view text, const IoOutputs& outputs) {
 }
 
 void put(const IoChange& change, std::span<std::uint8_t> image) {
-    std::ranges::copy(change.octets, image.subspan(change.offset).begin());
+    if (change.bits == 0) {
+        std::ranges::copy(change.octets, image.subspan(change.offset).begin());
+        return;
+    }
+    for (std::size_t bit = 0; bit < change.bits; ++bit) {
+        const auto to = 8 * change.offset + change.first_bit + bit;
+        const auto mask = static_cast<std::uint8_t>(1U << (to % 8));
+        const bool set = (change.octets[bit / 8] >> (bit % 8) & 1) != 0;
+        auto& octet = image[to / 8];
+        octet = static_cast<std::uint8_t>(set ? octet | mask : octet & ~mask);
+    }
 }
 
 std::optional<IoChange> change_of(const IoFields& fields, const drive::Parameter& row, const drive::Value& value) {
     const auto* field = find_field(fields, row);
     if (field == nullptr) return std::nullopt;
-    IoChange change{field->offset, {}};
+    IoChange change{field->offset, {}, field->first_bit, field->bits};
     cip::Writer writer(change.octets);
-    assemblies::write_value(writer, *field->row, value);
+    assemblies::write_value(writer, field->row != nullptr ? *field->row : row, value);
+    change.octets.resize(std::max(change.octets.size(), (field->bits + 7) / 8));
     return change;
 }
 
 const IoField* find_field(const IoFields& fields, const drive::Parameter& row) {
-    const auto found = std::ranges::find_if(
-        fields, [&](const IoField& field) { return field.row != nullptr && same_variable(*field.row, row); });
+    const eds::AttributeAddress address{row.cip.class_id, row.cip.instance, row.cip.attribute};
+    const auto found = std::ranges::find_if(fields, [&](const IoField& field) {
+        if (field.parameter != nullptr) return field.parameter->address() == address;
+        return field.row != nullptr && same_variable(*field.row, row);
+    });
     return found != fields.end() ? &*found : nullptr;
 }
 

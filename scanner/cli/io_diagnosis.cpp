@@ -50,7 +50,8 @@ std::string diagnosis_of(const IoClosed& closed, const ConnectionTask& task, con
     OpenQuestion question;
     question.request = closed.request;
     question.route = task.plan.route;
-    question.plan = task.plan;
+    // A path of another form has no words on the command line but the data sheet.
+    if (!task.plan.application_path) question.plan = task.plan;
     const auto diagnosis = ask_doctor(question, closed, opened, report);
     if (!diagnosis || diagnosis->well) return {};
     return json ? diagnosis_json(*diagnosis, host).dump() : diagnosis_text(*diagnosis, host);

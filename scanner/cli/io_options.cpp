@@ -13,7 +13,11 @@
 #include "cip/hex.hpp"
 #include "drive/text.hpp"
 #include "scanner/cli/duration.hpp"
+#include "scanner/cli/sheet_fields.hpp"
+#include "scanner/cli/sheet_file.hpp"
+#include "scanner/cli/text_output.hpp"
 #include "scanner/io_words.hpp"
+#include "scanner/sheet_plan.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -89,8 +93,9 @@ public:
 
     Parsed<ConnectionTask> build() {
         using Step = std::optional<Mistake> (Builder::*)();
-        for (const Step step : {&Builder::choose, &Builder::take_times, &Builder::take_formats, &Builder::take_manners,
-                                &Builder::take_configuration, &Builder::take_key, &Builder::take_changes}) {
+        for (const Step step :
+             {&Builder::choose, &Builder::take_times, &Builder::take_formats, &Builder::take_manners,
+              &Builder::take_configuration, &Builder::take_key, &Builder::ask_sheet, &Builder::take_changes}) {
             if (auto mistake = (this->*step)()) return *mistake;
         }
         return std::move(task_);
@@ -98,6 +103,7 @@ public:
 
 private:
     std::optional<Mistake> choose() {
+        if (!arguments_.eds.empty()) return choose_described();
         if (arguments_.o_to_t_point) return choose_numbers();
         const auto key = arguments_.connection.empty() ? std::string_view("standard") : arguments_.connection;
         task_.known = find_known(key, arguments_.t_to_o_point);
@@ -107,9 +113,70 @@ private:
         }
         task_.plan = plan_of(*task_.known);
         const auto* layout = task_.known->outputs();
-        task_.outputs = {layout, layout != nullptr ? layout->size() : 0};
+        task_.outputs = IoOutputs::of(layout);
+        if (layout != nullptr) task_.output_name = layout->name;
         task_.inputs = task_.known->inputs();
+        if (task_.inputs != nullptr) {
+            task_.input_fields = fields_of(*task_.inputs);
+            task_.input_name = task_.inputs->name;
+        }
         return std::nullopt;
+    }
+
+    std::optional<Mistake> choose_described() {
+        if (arguments_.o_to_t_point || arguments_.t_to_o_point) {
+            return Mistake{"--eds has the points of the connection; --o2t and --t2o are for devices without a file"};
+        }
+        auto sheet = load_sheet(arguments_.eds);
+        if (!sheet) return sheet.error();
+        task_.sheet = std::move(*sheet);
+        const auto connection = choose_connection(*task_.sheet, arguments_.connection);
+        if (!connection) return about_file(connection.error());
+        task_.described = *connection;
+        const auto plan = plan_of(*task_.sheet, *task_.described);
+        if (!plan) return about_file(plan.error());
+        task_.plan = *plan;
+        if (arguments_.o_to_t_octets) task_.plan.o_to_t.data_octets = *arguments_.o_to_t_octets;
+        if (arguments_.t_to_o_octets) task_.plan.t_to_o.data_octets = *arguments_.t_to_o_octets;
+        describe_flows();
+        return std::nullopt;
+    }
+
+    [[nodiscard]] Mistake about_file(const Mistake& mistake) const {
+        return {fmt::format("{}: {}", arguments_.eds, printable(mistake.text))};
+    }
+
+    /// What the octets of both directions are called, and with what the outputs begin.
+    void describe_flows() {
+        const auto outputs = format_of(task_.described->o_to_t);
+        const auto inputs = format_of(task_.described->t_to_o);
+        task_.outputs.octets = task_.plan.o_to_t.data_octets;
+        if (task_.outputs.octets > 0) {
+            task_.outputs.fields = fields_inside(outputs, task_.outputs.octets);
+            task_.outputs.name = outputs.keyword;
+            task_.output_name = printable(outputs.name);
+            task_.start = task_.sheet->image(outputs);
+            task_.start.resize(task_.outputs.octets);
+        }
+        task_.input_fields = fields_inside(inputs, task_.plan.t_to_o.data_octets);
+        task_.input_name = printable(inputs.name);
+    }
+
+    /// The assembly that a direction has as its format; of a Param alone one that holds it.
+    [[nodiscard]] eds::Assembly format_of(const eds::Flow& flow) const {
+        if (const auto* assembly = task_.sheet->assembly(flow.format)) return *assembly;
+        eds::Assembly alone{.keyword = flow.format, .name = flow.format};
+        if (const auto number = eds::number_behind("Param", flow.format)) {
+            alone.members.push_back({.reference = eds::Member::Parameter{*number}});
+        }
+        return alone;
+    }
+
+    /// A connection may be shorter than the assembly.
+    [[nodiscard]] IoFields fields_inside(const eds::Assembly& assembly, std::size_t octets) const {
+        auto fields = fields_of(*task_.sheet, assembly);
+        std::erase_if(fields, [&](const IoField& field) { return field.offset + field.octets > octets; });
+        return fields;
     }
 
     [[nodiscard]] Mistake unknown_connection(std::string_view key) const {
@@ -139,9 +206,10 @@ private:
 
     std::optional<Mistake> take_times() {
         auto& plan = task_.plan;
-        plan.o_to_t.rpi = plan.t_to_o.rpi = default_rpi_;
-        if (auto mistake = take_interval("--rpi", arguments_.rpi, plan.o_to_t.rpi)) return mistake;
-        plan.t_to_o.rpi = plan.o_to_t.rpi;
+        if (task_.described == nullptr) plan.o_to_t.rpi = plan.t_to_o.rpi = default_rpi_;
+        for (auto* direction : {&plan.o_to_t, &plan.t_to_o}) {
+            if (auto mistake = take_interval("--rpi", arguments_.rpi, direction->rpi)) return mistake;
+        }
         if (auto mistake = take_interval("--rpi-o2t", arguments_.o_to_t_rpi, plan.o_to_t.rpi)) return mistake;
         if (auto mistake = take_interval("--rpi-t2o", arguments_.t_to_o_rpi, plan.t_to_o.rpi)) return mistake;
         if (!arguments_.inhibit.empty()) {
@@ -164,10 +232,13 @@ private:
             using cip::RealTimeFormat;
             if (direction->format == RealTimeFormat::heartbeat) direction->data_octets = 0;
             // Without data it is shorter than with it.
-            direction->variable = arguments_.variable || direction->format == RealTimeFormat::zero_length;
+            if (arguments_.variable || direction->format == RealTimeFormat::zero_length) direction->variable = true;
         }
         if (plan.o_to_t.format == cip::RealTimeFormat::heartbeat) task_.outputs = {};
-        if (plan.t_to_o.format == cip::RealTimeFormat::heartbeat) task_.inputs = nullptr;
+        if (plan.t_to_o.format == cip::RealTimeFormat::heartbeat) {
+            task_.inputs = nullptr;
+            task_.input_fields.clear();
+        }
         return std::nullopt;
     }
 
@@ -186,13 +257,16 @@ private:
         if (auto mistake = take_word("--priority", arguments_.priority, priority_words, plan.o_to_t.priority)) {
             return mistake;
         }
-        plan.t_to_o.priority = plan.o_to_t.priority;
+        if (!arguments_.priority.empty() || task_.described == nullptr) plan.t_to_o.priority = plan.o_to_t.priority;
         return std::nullopt;
     }
 
     std::optional<Mistake> take_configuration() {
         auto& plan = task_.plan;
         const auto& instance = arguments_.config_instance;
+        if (!instance.empty() && task_.described != nullptr) {
+            return Mistake{"--config-instance: it is in the path of the file, as the points are"};
+        }
         if (instance == "none") {
             plan.configuration_instance.reset();
         } else if (!instance.empty()) {
@@ -216,10 +290,25 @@ private:
         task_.plan.key.reset();
         task_.key_of_device = arguments_.key == "auto";
         if (task_.key_of_device || arguments_.key == "none") return std::nullopt;
+        if (arguments_.key == "eds") return take_key_of_sheet();
         task_.plan.key = parse_key(arguments_.key);
         if (task_.plan.key) return std::nullopt;
         return Mistake{
-            fmt::format("--key: '{}' is no key: auto, none or VENDOR/TYPE/PRODUCT/MAJOR.MINOR", arguments_.key)};
+            fmt::format("--key: '{}' is no key: auto, eds, none or VENDOR/TYPE/PRODUCT/MAJOR.MINOR", arguments_.key)};
+    }
+
+    std::optional<Mistake> take_key_of_sheet() {
+        if (!task_.sheet) return Mistake{"--key eds goes with --eds"};
+        task_.plan.key = key_of(task_.sheet->device);
+        if (task_.plan.key) return std::nullopt;
+        return about_file({"[Device] does not say enough for a key"});
+    }
+
+    /// What was said beside the file is held to what the file allows.
+    std::optional<Mistake> ask_sheet() {
+        if (task_.described == nullptr) return std::nullopt;
+        const auto wrong = conflict(*task_.described, task_.plan);
+        return wrong ? std::optional(about_file(*wrong)) : std::nullopt;
     }
 
     std::optional<Mistake> take_changes() {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 
 #include "assemblies/connection.hpp"
 #include "cip/path.hpp"
+#include "eds/data_sheet.hpp"
 #include "scanner/cli/io_data.hpp"
 #include "scanner/io_plan.hpp"
 #include "scanner/mistake.hpp"
@@ -22,7 +24,8 @@ inline constexpr std::size_t max_io_octets = 0xFFFF - cip::sequence_count_octets
 
 /// What `io`, `open` and `axis --io` are told about a connection.
 struct ConnectionArguments {
-    std::string connection{};  ///< a key of assemblies::connections(); empty: not said
+    std::string connection{};  ///< a key of assemblies::connections(), or a name of the data sheet; empty: not said
+    std::string eds{};         ///< a file; its connections instead of the XENAX's
     // The six numbers of any other device.
     std::optional<std::uint32_t> o_to_t_point{};
     std::optional<std::size_t> o_to_t_octets{};
@@ -35,7 +38,7 @@ struct ConnectionArguments {
     std::string t_to_o_rpi{};
     std::string o_to_t_format{};
     std::string t_to_o_format{};
-    std::string key{};  ///< `auto`, `none` or numbers
+    std::string key{};  ///< `auto`, `eds`, `none` or numbers
     std::string config{};
     std::string trigger{};
     std::string inhibit{};
@@ -50,10 +53,17 @@ struct ConnectionArguments {
 
 /// The connection that they mean.
 struct ConnectionTask {
-    const assemblies::Connection* known = nullptr;  ///< nullptr when it was given by its numbers
+    const assemblies::Connection* known = nullptr;  ///< nullptr when it is none of the XENAX's
+    std::shared_ptr<const eds::DataSheet> sheet{};  ///< where it is described, if it is
+    const eds::Connection* described = nullptr;     ///< in the sheet
     IoPlan plan{};
     IoOutputs outputs{};
-    const assemblies::Layout* inputs = nullptr;  ///< nullptr when only their number of octets is known
+    const assemblies::Layout* inputs = nullptr;  ///< of the XENAX's
+    IoFields input_fields{};                     ///< empty when only their number of octets is known
+    // What the assemblies are called, where they have names.
+    std::string output_name{};
+    std::string input_name{};
+    cip::Bytes start{};  ///< of the outputs, where nothing is read from the device; empty: zeros
     std::vector<IoChange> changes{};
     bool key_of_device = false;  ///< the key is what the device says it is; it is still to be asked
     bool run = true;

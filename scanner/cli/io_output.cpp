@@ -9,6 +9,7 @@
 #include "cip/hex.hpp"
 #include "cip/status.hpp"
 #include "scanner/cli/io_data.hpp"
+#include "scanner/cli/text_output.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -26,12 +27,12 @@ double microseconds(Duration duration) { return static_cast<double>(duration.cou
 
 std::string line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
 
-std::string direction_text(std::string_view name, const IoDirection& direction, const assemblies::Layout* layout,
+std::string direction_text(std::string_view name, const IoDirection& direction, std::string_view what_they_are,
                            std::chrono::microseconds granted) {
     const auto what = direction.format == cip::RealTimeFormat::heartbeat
                           ? std::string("heartbeat")
                           : fmt::format("{} octets{}, {}", direction.data_octets,
-                                        layout != nullptr ? fmt::format(" ({})", layout->name) : std::string(),
+                                        what_they_are.empty() ? std::string() : fmt::format(" ({})", what_they_are),
                                         cip::name(direction.format));
     return fmt::format("{}  point {}: {}; connection size {}, every {} ms", name, direction.point, what,
                        direction.connection_size(), static_cast<double>(granted.count()) / 1000);
@@ -96,8 +97,24 @@ std::string column_name(const IoField& field) {
 bool is_shown(const IoField& field) { return field.kind != Kind::padding; }
 
 /// An idle sender without data, or a heartbeat, shows nothing.
-bool has_members(const assemblies::Layout* layout, cip::ByteView data) {
-    return layout != nullptr && data.size() == layout->size();
+bool has_members(const IoFields& fields, std::size_t octets) {
+    if (fields.empty()) return false;
+    return octets > 0 && octets >= fields.back().offset + fields.back().octets;
+}
+
+Json to_json(const eds::Value& value) {
+    if (const auto* text = std::get_if<std::string>(&value)) return printable(*text);
+    if (const auto* fraction = std::get_if<double>(&value)) return *fraction;
+    const auto* whole = std::get_if<std::int64_t>(&value);
+    return whole != nullptr ? Json(*whole) : Json();
+}
+
+/// For a table: numbers alone, a text in quotes.
+std::string cell(const eds::Value& value) {
+    if (const auto* fraction = std::get_if<double>(&value)) return fmt::format("{}", *fraction);
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *whole);
+    const auto* text = std::get_if<std::string>(&value);
+    return text != nullptr ? '"' + printable(*text) + '"' : std::string();
 }
 
 }  // namespace
@@ -107,9 +124,9 @@ std::string opened_text(const ConnectionTask& task, const IoOpened& opened) {
         return fmt::format(", to {}, id 0x{:08X}\n", enip::to_string(to), id);
     };
     const auto& reply = opened.reply;
-    return direction_text("O->T", task.plan.o_to_t, task.outputs.layout, opened.o_to_t_interval()) +
+    return direction_text("O->T", task.plan.o_to_t, task.output_name, opened.o_to_t_interval()) +
            way(opened.target, reply.o_to_t_id) +
-           direction_text("T->O", task.plan.t_to_o, task.inputs, opened.t_to_o_interval()) +
+           direction_text("T->O", task.plan.t_to_o, task.input_name, opened.t_to_o_interval()) +
            way(opened.receiver, reply.t_to_o_id);
 }
 
@@ -140,21 +157,21 @@ std::string report_line(const IoReport& report) {
         milliseconds(intervals.p99), milliseconds(intervals.max), milliseconds(report.received.granted()));
 }
 
-std::string inputs_line(const assemblies::Layout* layout, cip::ByteView data) {
-    if (!has_members(layout, data)) return cip::to_hex(data);
+std::string inputs_line(const IoFields& fields, cip::ByteView data) {
+    if (!has_members(fields, data.size())) return cip::to_hex(data);
     std::vector<std::string> words;
-    for (const auto& field : fields_of(*layout)) {
+    for (const auto& field : fields) {
         if (!is_shown(field)) continue;
-        const auto unit = field.unit().empty() ? std::string() : " " + std::string(field.unit());
+        const auto unit = field.unit().empty() ? std::string() : " " + field.unit();
         words.push_back(fmt::format("{} {}{}", field.name(), text_in(field, data), unit));
     }
     return fmt::format("{}", fmt::join(words, ", "));
 }
 
-std::vector<std::string> inputs_table(const assemblies::Layout* layout, cip::ByteView data) {
+std::vector<std::string> inputs_table(const IoFields& fields, cip::ByteView data) {
     std::vector<std::string> lines;
-    if (has_members(layout, data)) {
-        for (const auto& field : fields_of(*layout)) {
+    if (has_members(fields, data.size())) {
+        for (const auto& field : fields) {
             if (!is_shown(field)) continue;
             auto text = fmt::format("{:<30}{:>20} {:<10}", field.name(), text_in(field, data), field.unit());
             const auto meaning = meaning_in(field, data);
@@ -183,16 +200,16 @@ std::string opened_line_json(const std::string& host, const ConnectionTask& task
          {"t_to_o", direction_json(task.plan.t_to_o, reply.t_to_o_id, opened.t_to_o_interval(), opened.receiver)}});
 }
 
-std::string input_line_json(const assemblies::Layout* layout, const IoInput& input, double seconds) {
+std::string input_line_json(const IoFields& fields, const IoInput& input, double seconds) {
     Json json{{"event", "input"},
               {"time", seconds},
               {"sequence", input.sequence},
               {"fresh", input.fresh},
               {"run", input.run}};
-    if (has_members(layout, input.data)) {
+    if (has_members(fields, input.data.size())) {
         auto& values = json["values"] = Json::object();
-        for (const auto& field : fields_of(*layout)) {
-            if (is_shown(field)) values[field.name()] = number_in(field, input.data);
+        for (const auto& field : fields) {
+            if (is_shown(field)) values[field.name()] = to_json(value_in(field, input.data));
         }
     } else {
         json["data"] = cip::to_hex(input.data);
@@ -222,23 +239,23 @@ std::string end_line_json(const std::string& host, const IoReport& report, const
     return line(json);
 }
 
-std::string csv_header(const assemblies::Layout* layout, std::size_t octets) {
+std::string csv_header(const IoFields& fields, std::size_t octets) {
     std::string text = "time [s],sequence,fresh,run";
-    if (layout == nullptr || layout->size() != octets) return text + ",data\n";
-    for (const auto& field : fields_of(*layout)) {
+    if (!has_members(fields, octets)) return text + ",data\n";
+    for (const auto& field : fields) {
         if (is_shown(field)) text += ',' + column_name(field);
     }
     return text + '\n';
 }
 
-std::string csv_line(const assemblies::Layout* layout, const IoInput& input, double seconds) {
+std::string csv_line(const IoFields& fields, const IoInput& input, double seconds) {
     auto text = fmt::format("{:.6f},{},{},{}", seconds, input.sequence, input.fresh ? 1 : 0, input.run ? 1 : 0);
-    if (layout == nullptr) return text + ',' + cip::to_hex(input.data) + '\n';
-    for (const auto& field : fields_of(*layout)) {
+    if (fields.empty()) return text + ',' + cip::to_hex(input.data) + '\n';
+    for (const auto& field : fields) {
         if (!is_shown(field)) continue;
         text += ',';
         // What came without data has empty cells.
-        if (has_members(layout, input.data)) text += fmt::format("{}", number_in(field, input.data));
+        if (has_members(fields, input.data.size())) text += cell(value_in(field, input.data));
     }
     return text + '\n';
 }

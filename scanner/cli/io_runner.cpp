@@ -6,10 +6,12 @@
 #include <utility>
 
 #include "cip/status.hpp"
+#include "drive/xenax.hpp"
 #include "enip/io_packet.hpp"
 #include "scanner/axis_state.hpp"
 #include "scanner/cli/identify.hpp"
 #include "scanner/cli/what.hpp"
+#include "scanner/sheet_check.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -81,9 +83,37 @@ boost::system::result<cip::Bytes, Failure> read_outputs(Link& link, const assemb
     return image;
 }
 
+namespace {
+
+/// Outputs that are read one by one before a connection opens, at most.
+constexpr std::size_t max_read_outputs = 256;
+
+/// The outputs of a data sheet's connection: what the device holds where it lets it be read, otherwise what the sheet
+/// proposes.
+boost::system::result<cip::Bytes, Failure> read_described_outputs(Link& link, const ConnectionTask& task) {
+    auto image = task.start;
+    std::size_t asked = 0;
+    for (const auto& field : task.outputs.fields) {
+        const auto request = field.parameter != nullptr ? read_request(*field.parameter) : std::nullopt;
+        if (!request || ++asked > max_read_outputs) continue;
+        const auto answer = link.call(*request);
+        if (!answer) return link.failure_of(answer.error());
+        const bool fits = answer->status.ok() && answer->data.size() >= (field.bits + 7) / 8;
+        if (fits) put({field.offset, answer->data, field.first_bit, field.bits}, image);
+    }
+    if (task.sheet->device.vendor == drive::xenax_models().front().identity.vendor) {
+        if (auto failure = keep_stopped(link, task.outputs.fields, image)) return std::move(*failure);
+    }
+    return image;
+}
+
+}  // namespace
+
 boost::system::result<cip::Bytes, Failure> prepare(ConnectionTask& task, const Settings& settings, const Host& host) {
-    cip::Bytes image(task.outputs.octets, 0);
-    const bool has_rows = task.outputs.layout != nullptr && task.run;
+    auto image = task.start;
+    image.resize(task.outputs.octets);
+    const bool has_rows =
+        (task.outputs.layout != nullptr || task.described != nullptr) && task.has_outputs() && task.run;
     if (has_rows || task.key_of_device) {
         Link link(settings, host);
         if (auto failure = link.open()) return std::move(*failure);
@@ -94,7 +124,8 @@ boost::system::result<cip::Bytes, Failure> prepare(ConnectionTask& task, const S
             task.plan.key = key_of(*identity);
         }
         if (has_rows) {
-            auto read = read_outputs(link, *task.outputs.layout);
+            auto read = task.described != nullptr ? read_described_outputs(link, task)
+                                                  : read_outputs(link, *task.outputs.layout);
             if (!read) return read.error();
             image = std::move(*read);
         }

@@ -45,7 +45,7 @@ void IoTable::look(const IoReport& report) {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_) return;
     next_ = now + table_interval;
-    auto lines = inputs_table(task_.inputs, data_);
+    auto lines = inputs_table(task_.input_fields, data_);
     lines.insert(lines.begin(), fmt::format("{}{}", state_, data_.empty() || run_ ? "" : ", idle"));
     lines.push_back(report_line(report));
     table_.show(lines);
@@ -62,7 +62,7 @@ void IoLines::input(const IoInput& input, std::chrono::duration<double> time) {
     if (out_ == nullptr || time.count() < next_) return;
     next_ = std::floor(time.count()) + 1;
     *out_ << fmt::format("{:.3f} s  {}{}\n", time.count(), input.run ? "" : "idle  ",
-                         inputs_line(task_.inputs, input.data))
+                         inputs_line(task_.input_fields, input.data))
           << std::flush;
 }
 
@@ -76,7 +76,7 @@ IoJsonLines::IoJsonLines(std::ostream& out, std::string host, const ConnectionTa
 void IoJsonLines::opened(const IoOpened& opened) { out_ << opened_line_json(host_, task_, opened) << std::flush; }
 
 void IoJsonLines::input(const IoInput& input, std::chrono::duration<double> time) {
-    out_ << input_line_json(task_.inputs, input, time.count());
+    out_ << input_line_json(task_.input_fields, input, time.count());
 }
 
 void IoJsonLines::closed(const IoClosed& closed, const std::string& text) { out_ << closed_line_json(closed, text); }
@@ -84,11 +84,11 @@ void IoJsonLines::closed(const IoClosed& closed, const std::string& text) { out_
 void IoJsonLines::look(const IoReport&) { out_ << std::flush; }
 
 IoCsv::IoCsv(std::ostream& out, const ConnectionTask& task) : out_(out), task_(task) {
-    out_ << csv_header(task.inputs, task.plan.t_to_o.data_octets);
+    out_ << csv_header(task.input_fields, task.plan.t_to_o.data_octets);
 }
 
 void IoCsv::input(const IoInput& input, std::chrono::duration<double> time) {
-    out_ << csv_line(task_.inputs, input, time.count());
+    out_ << csv_line(task_.input_fields, input, time.count());
 }
 
 void IoCsv::look(const IoReport&) { out_ << std::flush; }

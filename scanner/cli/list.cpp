@@ -2,58 +2,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include "drive/lookup.hpp"
 #include "drive/xenax.hpp"
 #include "scanner/cli/json_output.hpp"
+#include "scanner/cli/pattern.hpp"
 #include "scanner/cli/text_output.hpp"
 #include "scanner/cli/verbs.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    std::ranges::transform(result, result.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return result;
-}
-
-/// `*` stands for any characters and `?` for one; without either, the pattern may be anywhere in the text.
-bool matches(std::string_view pattern, std::string_view text) {
-    if (pattern.find_first_of("*?") == std::string_view::npos) return text.find(pattern) != std::string_view::npos;
-    std::size_t p = 0;
-    std::size_t t = 0;
-    std::size_t star = std::string_view::npos;
-    std::size_t star_text = 0;
-    while (t < text.size()) {
-        if (p < pattern.size() && pattern[p] == '*') {
-            star = p++;
-            star_text = t;
-        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
-            ++p;
-            ++t;
-        } else if (star != std::string_view::npos) {
-            p = star + 1;
-            t = ++star_text;
-        } else {
-            return false;
-        }
-    }
-    return pattern.find_first_not_of('*', p) == std::string_view::npos;
-}
-
 bool is_meant(const drive::Parameter& row, std::string_view pattern) {
     if (pattern.empty()) return true;
     const std::string words[]{std::string(row.name), std::string(row.mnemonic),
                               drive::qualified_name(drive::parameter_classes(), row), cip_address(row),
                               canopen_address(row)};
-    return std::ranges::any_of(words, [&](const std::string& word) { return matches(pattern, lower(word)); });
+    return std::ranges::any_of(words, [&](const std::string& word) { return matches(pattern, lower_case(word)); });
 }
 
 bool is_meant(const drive::DirectCommand& command, std::string_view pattern) {
-    return pattern.empty() || matches(pattern, lower(command.name)) || matches(pattern, lower(command.mnemonic));
+    return pattern.empty() || matches(pattern, lower_case(command.name)) ||
+           matches(pattern, lower_case(command.mnemonic));
 }
 
 /// What completion offers: every name and mnemonic that means one parameter, and every name with its class.
@@ -82,7 +53,7 @@ ExitCode nothing(const Console& console, const std::string& pattern, const std::
 }
 
 ExitCode list_commands(const Console& console, const ListArguments& arguments) {
-    const auto pattern = lower(arguments.pattern);
+    const auto pattern = lower_case(arguments.pattern);
     std::vector<const drive::DirectCommand*> commands;
     for (const auto& command : drive::direct_commands()) {
         if (is_meant(command, pattern)) commands.push_back(&command);
@@ -99,7 +70,7 @@ ExitCode list_commands(const Console& console, const ListArguments& arguments) {
 
 ExitCode list(const Console& console, const ListArguments& arguments) {
     if (arguments.commands) return list_commands(console, arguments);
-    const auto pattern = lower(arguments.pattern);
+    const auto pattern = lower_case(arguments.pattern);
     std::vector<const drive::Parameter*> rows;
     for (const auto& row : drive::parameters()) {
         if (is_meant(row, pattern)) rows.push_back(&row);

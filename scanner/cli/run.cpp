@@ -15,6 +15,7 @@
 #include "scanner/cli/eds_command_line.hpp"
 #include "scanner/cli/exit_code.hpp"
 #include "scanner/cli/io_command_line.hpp"
+#include "scanner/cli/sheet_verbs.hpp"
 #include "scanner/cli/verbs.hpp"
 
 namespace servobus::scanner::cli {
@@ -121,23 +122,35 @@ private:
         auto& get_verb = add_device_verb("get", "Read parameters by name, mnemonic or address",
                                          "  servobus-scanner get 192.168.2.100 SCurve TS PositionActualValue\n"
                                          "  servobus-scanner get 192.168.2.100 drive.Controlword 0x66/1/0x24\n"
-                                         "  servobus-scanner get 192.168.2.100 @0x01/1/7 --json\n");
+                                         "  servobus-scanner get 192.168.2.100 @0x01/1/7 --json\n"
+                                         "  servobus-scanner get 192.168.1.20 --eds valve.eds 'Supply Pressure'\n");
         get_verb.add_option("WHAT", words_, "NAME, MNEMONIC, CLASS.NAME or CLASS/INSTANCE/ATTRIBUTE")
             ->required()
             ->type_name("");
-        on(get_verb, [this] { return get(console_, settings_, host_, words_); });
+        add_sheet_option(get_verb);
+        on(get_verb, [this] {
+            if (has_sheet()) return sheet_get(console_, settings_, sheet_, host_, words_);
+            return get(console_, settings_, host_, words_);
+        });
 
         auto& set_verb =
             add_device_verb("set", "Write parameters; the first refusal ends it",
                             "  servobus-scanner set 192.168.2.100 SCurve=35\n"
                             "  servobus-scanner set 192.168.2.100 drive.Controlword=0x0F SPROF=20000\n"
-                            "  servobus-scanner set 192.168.2.100 @0xF5/1/13=UINT:60 @0x64/1/0=hex:32000000\n");
+                            "  servobus-scanner set 192.168.2.100 @0xF5/1/13=UINT:60 @0x64/1/0=hex:32000000\n"
+                            "  servobus-scanner set 192.168.1.20 --eds valve.eds 'Set Point' 2.5\n");
         set_verb
             .add_option("WHAT=VALUE", words_,
                         "A value in decimal, 0x hex or 0b binary; TYPE:VALUE or hex:... by address")
             ->required()
             ->type_name("");
-        on(set_verb, [this] { return set(console_, settings_, host_, words_); });
+        add_sheet_option(set_verb);
+        set_verb.add_flag("--force", sheet_.force, "With --eds: send also what the file does not allow");
+        on(set_verb, [this] {
+            if (has_sheet()) return sheet_set(console_, settings_, sheet_, host_, words_);
+            if (sheet_.force) return fail(console_, Mistake{"--force goes with --eds"}, host_);
+            return set(console_, settings_, host_, words_);
+        });
 
         auto& dump_verb = add_device_verb("dump", "Read all parameters and print them by class",
                                           "  servobus-scanner dump 192.168.2.100\n"
@@ -153,6 +166,12 @@ private:
             ->type_name("");
         on(command_verb, [this] { return command(console_, settings_, host_, word_); });
     }
+
+    CLI::Option* add_sheet_option(CLI::App& verb) {
+        return verb.add_option("--eds", sheet_.file, "The parameters of this data sheet instead of the XENAX's")
+            ->type_name("FILE");
+    }
+    [[nodiscard]] bool has_sheet() const { return !sheet_.file.empty(); }
 
     void add_services() {
         auto& verb = add_device_verb("call", "Call any CIP service on any path",
@@ -191,13 +210,18 @@ private:
                                    "  servobus-scanner list\n"
                                    "  servobus-scanner list position\n"
                                    "  servobus-scanner list 'drive.*' --json\n"
-                                   "  servobus-scanner list --commands\n",
+                                   "  servobus-scanner list --commands\n"
+                                   "  servobus-scanner list --eds valve.eds\n",
                                    false);
         list_verb.add_option("PATTERN", list_.pattern, "Part of a name, mnemonic or address; or with * and ?")
             ->type_name("");
         list_verb.add_flag("--names", list_.names, "Only names and mnemonics, one a line");
-        list_verb.add_flag("--commands", list_.commands, "Direct commands instead of parameters");
-        on(list_verb, [this] { return list(console_, list_); });
+        auto* commands = list_verb.add_flag("--commands", list_.commands, "Direct commands instead of parameters");
+        add_sheet_option(list_verb)->excludes(commands);
+        on(list_verb, [this] {
+            if (has_sheet()) return sheet_list(console_, sheet_, list_.pattern, list_.names);
+            return list(console_, list_);
+        });
 
         auto& doctor_verb = add_verb("doctor", "Say why I/O connections in a capture did not open, or do not work",
                                      "  servobus-scanner doctor machine.pcapng\n"
@@ -270,6 +294,7 @@ private:
     AxisCommandLine axis_;
     IoCommandLine io_;
     EdsCommandLine eds_;
+    SheetArguments sheet_;
     double timeout_s_ = 5;
     int wait_ms_ = 1000;
     std::optional<std::string> route_;

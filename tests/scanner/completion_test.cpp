@@ -43,9 +43,10 @@ TEST(Completion, KnowsEveryVerbInEveryShell) {
     for (const auto* shell : {"bash", "zsh", "fish"}) {
         const auto text = script(shell);
         EXPECT_THAT(text, Not(testing::ContainsRegex("@[A-Z]"))) << "a mark that was not filled in";
-        for (const auto* word : {"discover", "identity", "get",       "set",  "dump",       "command",         "call",
-                                 "axis",     "io",       "open",      "list", "completion", "force-calibrate", "json",
-                                 "timeout",  "route",    "connected", "wait", "host",       "list --names"}) {
+        for (const auto* word :
+             {"discover", "identity", "get",   "set",       "dump",       "command", "call",
+              "axis",     "io",       "open",  "list",      "completion", "upload",  "force-calibrate",
+              "json",     "timeout",  "route", "connected", "wait",       "host",    "list --names"}) {
             EXPECT_THAT(text, HasSubstr(word)) << shell;
         }
     }
@@ -70,6 +71,15 @@ TEST(Completion, WorksInBash) {
     EXPECT_EQ(offered("servobus-scanner axis host move --connection ou"), "outputs\n");
     EXPECT_EQ(offered("servobus-scanner io host --pcap"), "--pcapng\n");
     EXPECT_EQ(offered("servobus-scanner open host --o2t-f"), "--o2t-format\n");
+    EXPECT_EQ(offered("servobus-scanner eds ch"), "check\n");
+    const auto file = testing::TempDir() + "servobus-completion.eds";
+    std::ofstream(file) << "[File]";
+    const auto beginning = file.substr(0, file.size() - 5);
+    EXPECT_EQ(offered("servobus-scanner eds lint " + beginning), file + "\n");
+    EXPECT_EQ(offered("servobus-scanner eds check host " + beginning), file + "\n");
+    EXPECT_EQ(offered("servobus-scanner get host --eds " + beginning), file + "\n");
+    std::remove(file.c_str());
+    EXPECT_EQ(offered("servobus-scanner eds upload host --fo"), "--force\n");
 }
 
 }  // namespace

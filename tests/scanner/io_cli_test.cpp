@@ -286,11 +286,11 @@ const cip::Bytes& standard_inputs() {
 }
 
 TEST(IoOutput, InputsByName) {
-    const auto* layout = assemblies::find_layout(100);
-    EXPECT_THAT(inputs_line(layout, standard_inputs()),
+    const auto fields = fields_of(*assemblies::find_layout(100));
+    EXPECT_THAT(inputs_line(fields, standard_inputs()),
                 StartsWith("Statusword 0x0637 (1591), MotorCurrentActualValue -5 mA, PositionActualValue -100000 "
                            "increment, "));
-    const auto table = inputs_table(layout, standard_inputs());
+    const auto table = inputs_table(fields, standard_inputs());
     ASSERT_EQ(table.size(), 8U);
     EXPECT_EQ(table[0],
               "Statusword                           0x0637 (1591)            Operation enabled; voltage "
@@ -299,9 +299,9 @@ TEST(IoOutput, InputsByName) {
 }
 
 TEST(IoOutput, OctetsWithoutNames) {
-    EXPECT_EQ(inputs_line(nullptr, hex("01 02")), "01 02");
+    EXPECT_EQ(inputs_line({}, hex("01 02")), "01 02");
     const cip::Bytes many(16 * 16 + 3, 0xAB);
-    const auto table = inputs_table(nullptr, many);
+    const auto table = inputs_table({}, many);
     ASSERT_EQ(table.size(), 17U);
     EXPECT_THAT(table[1], StartsWith("   16  AB AB "));
     EXPECT_EQ(table.back(), "       and 3 more octets");
@@ -309,24 +309,23 @@ TEST(IoOutput, OctetsWithoutNames) {
 
 TEST(IoOutput, LinesForPrograms) {
     const enip::IoConsumer::Counters counters;
-    const auto* layout = assemblies::find_layout(100);
-    const auto line = input_line_json(layout, input(standard_inputs(), counters), 1.5);
+    const auto fields = fields_of(*assemblies::find_layout(100));
+    const auto line = input_line_json(fields, input(standard_inputs(), counters), 1.5);
     EXPECT_EQ(std::ranges::count(line, '\n'), 1);
     const auto document = json::parse(line);
     EXPECT_EQ(document["event"], "input");
     EXPECT_EQ(document["time"], 1.5);
     EXPECT_EQ(document["sequence"], 7);
     EXPECT_EQ(document["values"]["PositionActualValue"], -100000);
-    EXPECT_EQ(
-        json::parse(input_line_json(nullptr, input(standard_inputs(), counters), 0))["data"].get<std::string>().size(),
-        28U * 3 - 1);
-    EXPECT_THAT(csv_header(layout, 28),
+    EXPECT_EQ(json::parse(input_line_json({}, input(standard_inputs(), counters), 0))["data"].get<std::string>().size(),
+              28U * 3 - 1);
+    EXPECT_THAT(csv_header(fields, 28),
                 StartsWith("time [s],sequence,fresh,run,Statusword,MotorCurrentActualValue [mA],"));
-    EXPECT_EQ(csv_line(layout, input(standard_inputs(), counters), 0.25),
+    EXPECT_EQ(csv_line(fields, input(standard_inputs(), counters), 0.25),
               "0.250000,7,1,1,1591,-5,-100000,0,10,0,65537,1\n");
-    EXPECT_EQ(csv_header(nullptr, 2), "time [s],sequence,fresh,run,data\n");
-    EXPECT_EQ(csv_line(nullptr, input(hex("0A 0B"), counters), 0), "0.000000,7,1,1,0A 0B\n");
-    EXPECT_EQ(csv_line(layout, input({}, counters), 0), "0.000000,7,1,1,,,,,,,,\n");
+    EXPECT_EQ(csv_header({}, 2), "time [s],sequence,fresh,run,data\n");
+    EXPECT_EQ(csv_line({}, input(hex("0A 0B"), counters), 0), "0.000000,7,1,1,0A 0B\n");
+    EXPECT_EQ(csv_line(fields, input({}, counters), 0), "0.000000,7,1,1,,,,,,,,\n");
 }
 
 TEST(IoOutput, StatisticsAtTheEnd) {

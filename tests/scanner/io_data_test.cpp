@@ -16,8 +16,7 @@ using test::hex;
 using testing::HasSubstr;
 
 IoOutputs outputs_of(std::uint32_t instance) {
-    const auto* layout = assemblies::find_layout(instance);
-    return {layout, layout->size()};
+    return IoOutputs::of(assemblies::find_layout(instance));
 }
 
 std::string change(const std::string& text, const IoOutputs& outputs) {
