@@ -336,18 +336,8 @@ drive::Device make_device(const Config& config) {
                                       {axis_of(config), config.seed, config.memory, config.outputs_without_controller},
                                       motor_of(config))
                       : drive::Device(std::move(model), motor_of(config));
-    apply_values(config, device);
+    device.deliver(config.values);
     return device;
-}
-
-void apply_values(const Config& config, drive::Device& device) {
-    for (const auto& [key, value] : config.values) {
-        const auto* row = device.find(key);
-        if (row == nullptr) continue;
-        // The drive hears of what a client could have written; of the rest it is only said what stands there.
-        const bool refused = !may_set(row->access) || device.write(*row, value).has_value();
-        if (refused) device.store().assign(*row, value);
-    }
 }
 
 }  // namespace servobus::adapter

@@ -52,7 +52,7 @@ struct Config {
     std::optional<std::string> flash{};
     /// What happens to the drive while the program runs: the file that parse_scenario() reads.
     std::optional<std::string> scenario{};
-    /// What parameters hold after power-up instead of their printed defaults, whatever their access.
+    /// What parameters hold instead of their printed defaults until somebody writes them, whatever their access.
     std::vector<std::pair<drive::Key, drive::Value>> values{};
     drive::MotionMemory memory{};  ///< programs and profiles
     drive::OutputsWithoutController outputs_without_controller = drive::OutputsWithoutController::keep;
@@ -88,7 +88,5 @@ struct Config {
 [[nodiscard]] drive::Model model_of(const Config& config);
 /// The device that a configuration describes, after power-up.
 [[nodiscard]] drive::Device make_device(const Config& config);
-/// The configured values on top of what the device holds, after each power-up.
-void apply_values(const Config& config, drive::Device& device);
 
 }  // namespace servobus::adapter

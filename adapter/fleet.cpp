@@ -18,12 +18,6 @@ std::optional<std::uint32_t> address_of(const std::string& text) {
     return ntohl(address.s_addr);
 }
 
-// A plain restart powers up with what was configured; factory defaults are those of the manual.
-void restart(ResetType type, const Config& config, drive::Device& device) {
-    device.reset();
-    if (type == ResetType::restart) apply_values(config, device);
-}
-
 }  // namespace
 
 std::variant<std::vector<std::string>, std::string> drive_addresses(const std::vector<std::string>& binds,
@@ -48,7 +42,6 @@ Fleet::Member::Member(drive::Device made, const Config& config, std::uint64_t se
     : device(std::move(made)),
       adapter(device, config.limits, seed, std::move(log), make_network(device.identity(), config.network),
               std::move(files)) {
-    adapter.on_restart([this, &config](ResetType type) { restart(type, config, device); });
     if (config.eds) return;
     adapter.on_revision([&config](const drive::Identity& identity) {
         auto revised = config;

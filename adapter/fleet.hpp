@@ -38,7 +38,7 @@ public:
         Adapter adapter;
     };
 
-    /// `config` outlives the fleet. The first drive has the configured serial number and seed, each further one the next.
+    /// The first drive has the configured serial number and seed, each further one the next.
     /// `seed` is for what must not be predicted. With more than one drive each line of the log says whose it is.
     Fleet(const Config& config, const std::vector<std::string>& addresses, std::uint64_t seed, const LogSink& log,
           const DeviceFiles& files, const Timetable& scenario);

@@ -104,7 +104,7 @@ Image::Outcome Image::apply(cip::ByteView octets) {
         auto value = number(*member.row, raw);
         if (member.role == Role::control_word) value = guarded(value, member, outcome);
         if (member.role == Role::setting && value == member.cell.get()) continue;
-        if (const auto refusal = device_->write(*member.row, value)) refuse(i, *refusal, outcome);
+        if (const auto refusal = device_->write_process_data(*member.row, value)) refuse(i, *refusal, outcome);
     }
     return outcome;
 }

@@ -25,12 +25,16 @@ public:
     virtual void step(Time now) = 0;
     /// When it wants to be stepped at the latest, while something moves; nullopt when nothing does.
     [[nodiscard]] virtual std::optional<Time> next_deadline() const = 0;
-    /// Something happens to it from outside.
+    /// Something happens to it from outside. A power cycle is power_up().
     virtual void inject(const Event& event) = 0;
     /// What output `number`, 1 to 8, does to its wire now.
     [[nodiscard]] virtual OutputLevel output_wire(int number) const = 0;
-    /// Logic power off and on. The store has just been reset.
+    /// The store has just been reset: what the connected motor and axis tell is put into it.
+    virtual void tell_machine() = 0;
+    /// Logic power off and on. The store holds what the drive comes up with.
     virtual void power_up() = 0;
+    /// A fault keeps it from doing what it is for, until it is reset.
+    [[nodiscard]] virtual bool has_fault() const = 0;
 
 protected:
     Behaviour() = default;

@@ -12,13 +12,16 @@ constexpr std::int64_t first_rotative_method = 10;
 }  // namespace
 
 Device::Device(Model model, Motor motor)
-    : model_(std::move(model)), motor_(motor), store_(std::make_unique<Store>(model_.parameters)) {
-    reset_store();
+    : model_(std::move(model)),
+      motor_(motor),
+      store_(std::make_unique<Store>(model_.parameters)),
+      kept_(std::make_unique<KeptValues>(*store_)) {
+    reset();
 }
 
 Device::Device(Model model, const Machine& machine, Motor motor) : Device(std::move(model), motor) {
     behaviour_ = model_.make_behaviour(model_, *store_, machine);
-    behaviour_->power_up();
+    reset();
 }
 
 ReadResult Device::read(const Parameter& row) const {
@@ -56,6 +59,20 @@ std::optional<Refusal> Device::write(const Parameter& row, Value value) {
     if (behaviour_) {
         behaviour_->written(row);
     }
+    if (kept_->keeps(row) || !may_get(row.access)) {
+        ++lasting_writes_;
+    }
+    return std::nullopt;
+}
+
+std::optional<Refusal> Device::write_process_data(const Parameter& row, const Value& value) {
+    if (auto refusal = check(row, value)) {
+        return refusal;
+    }
+    store_->cover(row, value);
+    if (behaviour_) {
+        behaviour_->written(row);
+    }
     return std::nullopt;
 }
 
@@ -68,7 +85,9 @@ void Device::step(Time now) {
 std::optional<Time> Device::next_deadline() const { return behaviour_ ? behaviour_->next_deadline() : std::nullopt; }
 
 void Device::inject(const Event& event) {
-    if (behaviour_) {
+    if (std::holds_alternative<event::PowerCycle>(event)) {
+        power_up(stored());
+    } else if (behaviour_) {
         behaviour_->inject(event);
     }
 }
@@ -77,15 +96,51 @@ OutputLevel Device::output_wire(int number) const {
     return behaviour_ ? behaviour_->output_wire(number) : OutputLevel::open;
 }
 
-void Device::reset() {
-    reset_store();
-    if (behaviour_) {
-        behaviour_->power_up();
+void Device::deliver(std::vector<std::pair<Key, Value>> values) {
+    delivered_ = std::move(values);
+    reset();
+}
+
+void Device::restore(const StoredValues& stored) {
+    for (const Parameter* row : kept_->restore(stored)) {
+        if (behaviour_) {
+            behaviour_->written(*row);
+        }
     }
 }
 
-void Device::reset_store() {
+void Device::power_up(const StoredValues& stored) {
     store_->reset();
+    name_motor();
+    if (behaviour_) {
+        behaviour_->tell_machine();
+    }
+    for (const auto& [key, value] : delivered_) {
+        const Parameter* row = find(key);
+        if (row != nullptr && !is_for_the_machine(*row)) store_->assign(*row, value);
+    }
+    kept_->deliver();
+    kept_->restore(stored);
+    if (behaviour_) {
+        behaviour_->power_up();
+    }
+    for (const auto& [key, value] : delivered_) {
+        const Parameter* row = find(key);
+        if (row == nullptr || !is_for_the_machine(*row)) continue;
+        if (check(*row, value)) {
+            store_->assign(*row, value);
+        } else {
+            static_cast<void>(write(*row, value));
+        }
+    }
+}
+
+/// A command or a set point: the machine has to hear of it, and only once it runs.
+bool Device::is_for_the_machine(const Parameter& row) const {
+    return may_set(row.access) && (row.momentary || !may_get(row.access));
+}
+
+void Device::name_motor() {
     if (!model_.motor_names || motor_ == Motor::any) {
         return;
     }

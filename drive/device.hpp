@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "drive/axis_kind.hpp"
 #include "drive/behaviour.hpp"
@@ -15,6 +17,7 @@
 #include "drive/parameter.hpp"
 #include "drive/refusal.hpp"
 #include "drive/store.hpp"
+#include "drive/stored_values.hpp"
 #include "drive/time.hpp"
 
 namespace servobus::drive {
@@ -109,27 +112,50 @@ public:
     /// What a bus writes takes effect at once: the state machine has moved and the status word tells it.
     [[nodiscard]] std::optional<Refusal> write(const Parameter& row, Value value);
 
+    /// What a controller's process data brings: as write(), but only until power-off (Store::cover).
+    [[nodiscard]] std::optional<Refusal> write_process_data(const Parameter& row, const Value& value);
+
+    /// What the device holds from delivery on instead of its printed defaults, whatever the rows' access: the drive hears
+    /// of commands and set points among them after each power-up. Then power off and on, as delivered.
+    void deliver(std::vector<std::pair<Key, Value>> values);
+    /// What has been written since delivery, and power-off does not take: stored_values.hpp says of which rows.
+    [[nodiscard]] StoredValues stored() const { return kept_->changes(); }
+    /// Whether such a value can be this device's.
+    [[nodiscard]] bool fits(const StoredValue& value) const { return kept_->fits(value); }
+    /// Grows with each write that may have changed stored(), other than a command that takes time.
+    [[nodiscard]] std::uint64_t lasting_writes() const { return lasting_writes_; }
+    /// What is stored becomes this, with the power on: a write is taken back.
+    void restore(const StoredValues& stored);
+    /// Logic power off and on: stored() is this, set points and commands are forgotten.
+    void power_up(const StoredValues& stored);
+
     /// Lets time pass. `now` never goes back; the first call only says when the drive was switched on.
     void step(Time now);
     /// When step() is wanted at the latest; nullopt while nothing moves.
     [[nodiscard]] std::optional<Time> next_deadline() const;
-    /// Something happens from outside. Without a machine nothing does.
+    /// Something happens from outside. Without a machine only a power cycle does, which keeps what is stored.
     void inject(const Event& event);
+    /// A fault keeps the drive from doing what it is for, until it is reset.
+    [[nodiscard]] bool has_fault() const { return behaviour_ && behaviour_->has_fault(); }
     /// What output `number`, 1 to 8, does to its wire; open without a machine.
     [[nodiscard]] OutputLevel output_wire(int number) const;
 
-    /// Back to the state after delivery: printed defaults, power off and on.
-    void reset();
+    /// Back to the state after delivery, power off and on.
+    void reset() { power_up({}); }
 
 private:
     [[nodiscard]] bool has(const Parameter& row) const { return !row.force_option || model_.has_force_option; }
     [[nodiscard]] bool motor_allows(const Parameter& row, const Value& value) const;
-    void reset_store();
+    [[nodiscard]] bool is_for_the_machine(const Parameter& row) const;
+    void name_motor();
 
     Model model_;
     Motor motor_;
     std::unique_ptr<Store> store_;  ///< the behaviour keeps references into it, also when the device is moved
+    std::unique_ptr<KeptValues> kept_;
     std::unique_ptr<Behaviour> behaviour_;
+    std::vector<std::pair<Key, Value>> delivered_;
+    std::uint64_t lasting_writes_ = 0;
 };
 
 }  // namespace servobus::drive

@@ -97,6 +97,7 @@ struct Parameter {
     std::span<const std::int64_t> allowed{};  ///< when not empty: the only legal numbers (errata X-20)
     Form form = Form::number;
     bool force_option = false;  ///< only the Xvi 75V8S has it (000 §2.3.8, 004 §3.4)
+    bool momentary = false;     ///< a set point or a command that can be read: power-off forgets it (errata P-1)
     CipAddress cip;
     std::optional<OdAddress> od{};
     std::optional<Key> same_as{};      ///< a second address of the variable of that row

@@ -91,6 +91,7 @@ Store::Store(std::span<const Parameter> table)
         }
     }
     cells_.resize(cells);
+    covered_.resize(cells);
     reset();
 }
 
@@ -125,18 +126,40 @@ const Value& Store::value(const Parameter& row) const { return cells_[cell_of(ro
 
 void Store::assign(const Parameter& row, Value value) {
     require(row.is_text() == std::holds_alternative<std::string>(value), "a value of the other kind was assigned");
-    cells_[cell_of(row)] = std::move(value);
+    const auto cell = cell_of(row);
+    cells_[cell] = std::move(value);
+    covered_[cell].reset();
+}
+
+void Store::cover(const Parameter& row, Value value) {
+    require(row.is_text() == std::holds_alternative<std::string>(value), "a value of the other kind was assigned");
+    const auto cell = cell_of(row);
+    if (!covered_[cell]) covered_[cell] = cells_[cell];
+    cells_[cell] = std::move(value);
+}
+
+const Value& Store::lasting(const Parameter& row, std::size_t element) const {
+    const auto cell = cell_of(row, element);
+    return covered_[cell] ? *covered_[cell] : cells_[cell];
+}
+
+void Store::set_lasting(const Parameter& row, std::size_t element, Value value) {
+    const auto cell = cell_of(row, element);
+    require(cells_[cell].index() == value.index(), "a value of the other kind was assigned");
+    (covered_[cell] ? *covered_[cell] : cells_[cell]) = std::move(value);
+}
+
+bool Store::is_selector(const Parameter& row) const {
+    return std::ranges::any_of(table_, [&](const Parameter& each) { return each.selected_by == row.key(); });
 }
 
 Variable Store::variable(const Parameter& row, std::size_t element) {
-    const std::size_t index = index_of(row);
-    const Parameter& owner = row.same_as ? *find(*row.same_as) : row;
     require(!row.is_text(), "a text has no variable");
-    require(element < owner.elements, "there is no such element");
-    return Variable(cells_[first_cell_[index] + element]);
+    return Variable(cells_[cell_of(row, element)]);
 }
 
 void Store::reset() {
+    std::ranges::fill(covered_, std::nullopt);
     for (std::size_t i = 0; i < table_.size(); ++i) {
         if (!table_[i].same_as) {
             std::fill_n(cells_.begin() + static_cast<std::ptrdiff_t>(first_cell_[i]), table_[i].elements,
@@ -161,6 +184,13 @@ std::size_t Store::cell_of(const Parameter& row) const {
     const Parameter& selector = table_[selector_[index]];
     const auto chosen = std::clamp(std::get<std::int64_t>(value(selector)), selector.low, selector.high);
     return first_cell_[index] + static_cast<std::size_t>(chosen - selector.low);
+}
+
+std::size_t Store::cell_of(const Parameter& row, std::size_t element) const {
+    const std::size_t index = index_of(row);
+    const Parameter& owner = row.same_as ? *find(*row.same_as) : row;
+    require(element < owner.elements, "there is no such element");
+    return first_cell_[index] + element;
 }
 
 }  // namespace servobus::drive

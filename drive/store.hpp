@@ -65,6 +65,17 @@ public:
     /// The drive's own change of a row (status, actual values). The caller keeps it inside the type.
     void assign(const Parameter& row, Value value);
 
+    /// What a controller's process data brings: it is shown and in force, and what the row held before is what lasts until
+    /// something else writes it.
+    void cover(const Parameter& row, Value value);
+
+    /// What an element (from 0) of a row holds for good: its value, or the one under process data.
+    [[nodiscard]] const Value& lasting(const Parameter& row, std::size_t element) const;
+    void set_lasting(const Parameter& row, std::size_t element, Value value);
+
+    /// Whether the row chooses which elements others show.
+    [[nodiscard]] bool is_selector(const Parameter& row) const;
+
     /// The variable behind a row of numbers; element `element` (from 0) of a selected row, whatever its selector says.
     [[nodiscard]] Variable variable(const Parameter& row, std::size_t element = 0);
 
@@ -74,11 +85,13 @@ public:
 private:
     [[nodiscard]] std::size_t index_of(const Parameter& row) const;
     [[nodiscard]] std::size_t cell_of(const Parameter& row) const;
+    [[nodiscard]] std::size_t cell_of(const Parameter& row, std::size_t element) const;
 
     std::span<const Parameter> table_;
     std::vector<std::size_t> first_cell_;  ///< per row: the first cell of its variable
     std::vector<std::size_t> selector_;    ///< per row: the row that selects its element, or npos
     std::vector<Value> cells_;
+    std::vector<std::optional<Value>> covered_;  ///< per cell: what lasts while process data stands in it
 };
 
 }  // namespace servobus::drive

@@ -47,8 +47,10 @@ std::unique_ptr<Behaviour> XenaxDrive::make(const Model& model, Store& store, co
 // Logic power has come. What is outside (the place of the axis, obstacles, levels at the inputs) is as it was; what the
 // drive knows is forgotten.
 void XenaxDrive::power_up() {
-    set_motor_rows();
     restart();
+    watch_inputs();
+    supervise();
+    publish();
 }
 
 void XenaxDrive::restart() {
@@ -407,7 +409,7 @@ bool XenaxDrive::torque_is_impossible() const {
 }
 
 /// Rows whose value is the connected motor's (004 prints '-' for their defaults).
-void XenaxDrive::set_motor_rows() {
+void XenaxDrive::tell_machine() {
     const AxisKind& kind = axis_.kind();
     const auto row = [&](auto& variable, double value) {
         const Parameter& parameter = *v_.store.find(std::remove_reference_t<decltype(variable)>::key);
@@ -527,12 +529,7 @@ void XenaxDrive::inject(const Event& event) {
                    [&](const event::TurnMaster& it) { master_speed_ = it.speed; },
                    [&](const event::CutPowerStage&) { power_stage_failed_ = inverter_on_; },
                    [&](const event::LoseController&) { lose_controller(); },
-                   [&](const event::PowerCycle&) {
-                       // Parameters are kept, commands are not.
-                       v_.control_word.set(0);
-                       v_.mode_requested.set(0);
-                       restart();
-                   },
+                   [](const event::PowerCycle&) {},  // the device asks for power_up()
                },
                event);
     watch_inputs();

@@ -35,7 +35,9 @@ public:
     [[nodiscard]] std::optional<Time> next_deadline() const override;
     void inject(const Event& event) override;
     [[nodiscard]] OutputLevel output_wire(int number) const override;
+    void tell_machine() override;
     void power_up() override;
+    [[nodiscard]] bool has_fault() const override;
 
     // For tests and for people who look inside.
     [[nodiscard]] const Axis& axis() const { return axis_; }
@@ -92,7 +94,6 @@ private:
     [[nodiscard]] double measured_force() const;
     [[nodiscard]] double share_after_force_limit() const;
     void apply_settings();
-    void set_motor_rows();
     void supervise();
     void supervise_position();
     void supervise_safety();

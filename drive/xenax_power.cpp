@@ -189,6 +189,10 @@ void XenaxDrive::withdraw(const xenax::Message& message) {
     if (information_ == &message) information_ = nullptr;
 }
 
+bool XenaxDrive::has_fault() const {
+    return machine_.state() == Ds402::State::fault || machine_.state() == Ds402::State::fault_reaction_active;
+}
+
 void XenaxDrive::clear_messages() {
     error_ = warning_ = information_ = nullptr;
     following_failed_ = reference_failed_ = false;

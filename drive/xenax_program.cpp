@@ -84,7 +84,7 @@ bool XenaxDrive::execute(const ProgramStep& step) {
         report(xenax::message("command_not_now"));
         return false;
     }
-    v_.store.assign(row, step.value);
+    v_.store.cover(row, step.value);  // a program runs again, so that power-off may take what it sets
     take(row);
     return true;
 }

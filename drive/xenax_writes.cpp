@@ -182,7 +182,7 @@ void XenaxDrive::reset_parameters() {
     shown_ = nullptr;  // the text of a message is a row as well
     outputs_ = {};
     monitor_.configure({});
-    set_motor_rows();
+    tell_machine();
     apply_settings();
     shown_ = nullptr;  // its text has been reset as well
     change_mode_if_standing();
@@ -196,7 +196,7 @@ void XenaxDrive::reset_motor_parameters() {
         const Parameter& row = *v_.store.find({0x65, attribute});
         v_.store.assign(row, row.standard);
     }
-    set_motor_rows();
+    tell_machine();
     apply_settings();
     calibrated_ = false;
     axis_.settings().cogging_compensation = false;

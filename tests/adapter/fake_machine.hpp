@@ -31,13 +31,16 @@ public:
     [[nodiscard]] drive::OutputLevel output_wire(int number) const override {
         return number == 2 ? drive::OutputLevel::high : drive::OutputLevel::open;
     }
+    void tell_machine() override {}
     void power_up() override { ++power_ups; }
+    [[nodiscard]] bool has_fault() const override { return fault; }
 
     std::vector<drive::Time> steps;
     std::vector<drive::Event> events;
     std::vector<drive::Time> event_times;  ///< of the last step before each event
     std::vector<drive::Key> rows;
     int power_ups = 0;
+    bool fault = false;
     std::optional<drive::Time> deadline;
     std::optional<drive::Time> (*on_step)(drive::Time now) = nullptr;
 };
