@@ -18,6 +18,7 @@
 #include "adapter/port_object.hpp"
 #include "adapter/qos_object.hpp"
 #include "adapter/tcp_ip_object.hpp"
+#include "adapter/unkept_reply.hpp"
 #include "cip/wire.hpp"
 
 namespace servobus::adapter {
@@ -32,16 +33,12 @@ constexpr std::chrono::milliseconds reply_pause{100};
 
 // Octets of one TCP connection that come while nothing is answered; one that sends more is closed.
 constexpr std::size_t held_octets = std::size_t{16} * 1024;
-// Replies of one TCP connection that are late on purpose; more are not sent.
+// Replies of one TCP connection that are late on purpose, or wait for what was written to be durable. More are not sent,
+// and while the latter is so nothing more is carried out.
 constexpr std::size_t late_replies = 1024;
 
 // What the drives of the maker come with is not printed.
 constexpr FirmwareVersion first_firmware{1, 0};
-
-// Bits 4 to 7 of Identity's status word, and what they say during a download (R-ID-4).
-constexpr unsigned extended_status_shift = 4;
-constexpr unsigned extended_status_mask = 0xF << extended_status_shift;
-constexpr unsigned firmware_update = 1;
 
 // Shortly before an I/O datagram is due, requests are answered one at a time, so that it does not wait for a whole turn.
 constexpr std::chrono::microseconds io_comes_first{100};
@@ -101,7 +98,8 @@ struct Adapter::Connection {
     cip::Bytes replies;
     struct LateReply {
         enip::Time due;
-        cip::Bytes octets;
+        Frame reply;
+        StateKeeper::Generation waits_for = 0;
     };
     std::deque<LateReply> late;
     cip::Bytes held;  ///< what came while nothing was answered
@@ -125,8 +123,12 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
              },
              .handle = [this](std::uint64_t session) { return sessions_.handle_of(session); }}),
       router_(node_identity(device.identity())),
-      faults_(seed) {
+      faults_(seed),
+      keeper_(StoredState{}),
+      noted_flash_(firmware_.snapshot()) {
     network_.settings.inactivity_seconds = static_cast<std::uint16_t>(limits_.inactivity.count());
+    delivered_ = {network_.settings, {}, firmware_.snapshot()};
+    keeper_.start_from({network_.settings, device_.stored(), firmware_.snapshot()});
     router_.set_gate(&gate_);
     build_objects();
     shown_ = module_state();
@@ -138,16 +140,8 @@ Adapter::~Adapter() = default;
 void Adapter::build_objects() {
     explicit_dscp_ = network_.settings.qos.dscp.back();  // R-QOS-4
     auto identity = std::make_unique<IdentityObject>(
-        device_.identity(),
-        [this](ResetType type, enip::Time now) {
-            const auto* owner = io().owner();
-            if (owner != nullptr && owner->consumer.run()) return cip::GeneralStatus::device_state_conflict;  // R-ID-8
-            if (firmware_.is_downloading())
-                return cip::GeneralStatus::device_state_conflict;  // it would end in factory mode
-            if (!reset_) reset_ = Reset{type, now + reply_pause};  // asking again does not put it off
-            return cip::GeneralStatus::success;
-        },
-        [this] { return present(); });
+        device_.identity(), [this](ResetType type, enip::Time) { return grant_reset(type); },
+        [this] { return condition(); });
     identity_ = identity.get();
     router_.add(std::move(identity));
     auto assembly = std::make_unique<AssemblyObject>(device_);
@@ -158,7 +152,7 @@ void Adapter::build_objects() {
     router_.add(std::make_unique<TcpIpObject>(network_, TcpIpSurroundings{
                                                             .io_is_open = [this] { return io().size() > 0; },
                                                             .groups_in_use = [this] { return io().groups_in_use(); },
-                                                            .address_changed = [this] { wants_address_ = true; },
+                                                            .address_changed = [this] { wants_address_ = 0; },
                                                         }));
     router_.add(std::make_unique<EthernetLinkObject>(network_));
     router_.add(std::make_unique<QosObject>(network_.settings.qos));
@@ -183,7 +177,7 @@ Resources Adapter::resources() const {
     std::size_t waiting = 0;
     for (const auto& [id, connection] : connections_) {
         waiting += connection->replies.size();
-        for (const auto& late : connection->late) waiting += late.octets.size();
+        for (const auto& late : connection->late) waiting += enip::header_bytes + late.reply.data.size();
     }
     const auto all = limits_.tcp_connections * limits_.queued_bytes;
     const auto octets = [](std::size_t count) {
@@ -194,12 +188,16 @@ Resources Adapter::resources() const {
             .buffer_space = octets(all - std::min(all, waiting))};
 }
 
-IdentityObject::Present Adapter::present() const {
-    const auto status = io().identity_status();
-    if (!firmware_.is_downloading()) return {.status = status};
-    const auto others = status & ~extended_status_mask;
-    return {.status = static_cast<std::uint16_t>(others | firmware_update << extended_status_shift),
-            .state = IdentityState::standby};
+DeviceCondition Adapter::condition() const {
+    auto network = keeper_.newest().network;
+    network.last_conflict = delivered_.network.last_conflict;
+    return {.owned = io().owner() != nullptr,
+            .configured = !keeper_.newest().parameters.empty() || network != delivered_.network,
+            .configuration_bad = configuration_bad_,
+            .firmware_update = firmware_.is_downloading(),
+            .has_address = network_.state.address.configured,
+            .fault = device_.has_fault() ? DeviceFault::minor_recoverable : DeviceFault::none,
+            .io = io().condition()};
 }
 
 std::optional<OpenRefusal> Adapter::refuse_open(const cip::ForwardOpen& open) {
@@ -364,31 +362,50 @@ void Adapter::on_message(Connection& connection, const enip::FrameDecoder::Resul
         request.reply(EncapsulationStatus::invalid_length).write(connection.replies);
         return;
     }
-    if (const auto reply = answer(connection, request, now)) send_reply(connection, *reply, now);
-    if (std::exchange(wants_address_, false)) address_due_ = now + reply_pause;
+    if (keeper_.waits() && connection.late.size() >= late_replies) {
+        request.reply(EncapsulationStatus::insufficient_memory).write(connection.replies);
+        return;
+    }
+    const auto writes = router_.sets() + resets_granted_;
+    const auto reply = answer(connection, request, now);
+    const bool wrote = router_.sets() + resets_granted_ != writes;
+    note_changes();
+    if (wrote && wants_address_) wants_address_ = keeper_.generation();
+    schedule_reset(now);
+    schedule_address(now);
+    if (reply) send_reply(connection, *reply, wrote ? keeper_.generation() : 0, now);
 }
 
-// At once, later or never; what is late keeps its order.
-void Adapter::send_reply(Connection& connection, const Frame& reply, enip::Time now) {
+// At once, later or never; what is late keeps its order. The reply to a write leaves when everything that has been
+// written is durable: also what somebody else has, since it may be the same.
+void Adapter::send_reply(Connection& connection, const Frame& reply, StateKeeper::Generation waits_for,
+                         enip::Time now) {
     const bool is_explicit = reply.command == Command::send_rr_data || reply.command == Command::send_unit_data;
     const auto delay = is_explicit ? faults_.reply_delay() : std::chrono::microseconds(0);
     if (!delay) return;
-    if (delay->count() == 0 && connection.late.empty()) {
+    if (delay->count() == 0 && connection.late.empty() && keeper_.is_settled(waits_for)) {
         reply.write(connection.replies);
         return;
     }
     if (connection.late.size() >= late_replies) return;
+    for (const auto& late : connection.late) {
+        if (late.reply.data == reply.data) waits_for = std::max(waits_for, late.waits_for);  // R-CON-46: said again
+    }
     const auto due = now + *delay;
     connection.late.push_back(
-        {connection.late.empty() ? due : std::max(due, connection.late.back().due), reply.encode()});
+        {connection.late.empty() ? due : std::max(due, connection.late.back().due), reply, waits_for});
+}
+
+bool Adapter::may_leave(const Connection& connection, enip::Time now) const {
+    if (connection.late.empty()) return false;
+    const auto& first = connection.late.front();
+    return first.due <= now && keeper_.is_settled(first.waits_for);
 }
 
 void Adapter::send_late_replies(Connection& connection, enip::Time now) {
-    if (connection.late.empty() || connection.late.front().due > now || faults_.is_silent()) return;
-    while (!connection.late.empty() && connection.late.front().due <= now) {
-        const auto& octets = connection.late.front().octets;
-        connection.replies.insert(connection.replies.end(), octets.begin(), octets.end());
-        connection.late.pop_front();
+    if (faults_.is_silent() || !may_leave(connection, now)) return;
+    for (; may_leave(connection, now); connection.late.pop_front()) {
+        connection.late.front().reply.write(connection.replies);
     }
     ready_.push_back(connection.id);
 }
@@ -629,6 +646,7 @@ void Adapter::on_timer(enip::Time now) {
         expire(*connection);
     }
     access_log_.on_timer(now);
+    note_changes();
     note_lights();
 }
 
@@ -643,37 +661,135 @@ std::optional<enip::Time> Adapter::next_deadline() const {
     }
     take_earlier(next, to_server(device_.next_deadline()));
     take_earlier(next, to_server(playback_.next()));
-    if (reset_) take_earlier(next, std::optional(reset_->due));
+    if (reset_) take_earlier(next, reset_->due);
     take_earlier(next, address_due_);
     for (const auto& reply : delayed_) take_earlier(next, std::optional(reply.due));
     for (const auto& [id, connection] : connections_) {
         take_earlier(next, deadline_of(*connection));
-        if (!connection->late.empty() && !faults_.is_silent()) {
+        const bool waits = connection->late.empty() || !keeper_.is_settled(connection->late.front().waits_for);
+        if (!waits && !faults_.is_silent()) {
             take_earlier(next, std::optional(connection->late.front().due));
         }
     }
     return next;
 }
 
+cip::GeneralStatus Adapter::grant_reset(ResetType type) {
+    const auto* owner = io().owner();
+    if (owner != nullptr && owner->consumer.run()) return cip::GeneralStatus::device_state_conflict;  // R-ID-8
+    if (firmware_.is_downloading()) return cip::GeneralStatus::device_state_conflict;  // it would end in factory mode
+    if (reset_ && reset_->type != type) return cip::GeneralStatus::device_state_conflict;
+    ++resets_granted_;
+    if (reset_) return cip::GeneralStatus::success;  // asking again does not put it off
+    if (type != ResetType::restart) keeper_.change(after_reset(type));
+    reset_ = Reset{type, keeper_.generation(), std::nullopt};
+    return cip::GeneralStatus::success;
+}
+
+// Everything that a client can set goes back; the latest conflict is a record, not a setting.
+StoredState Adapter::after_reset(ResetType type) const {
+    auto state = delivered_;
+    if (type == ResetType::factory_defaults_keep_network) state.network = network_.settings;
+    state.network.last_conflict = network_.settings.last_conflict;
+    state.firmware = firmware_.snapshot();
+    return state;
+}
+
+// The time counts from when the reply may leave.
+void Adapter::schedule_reset(enip::Time now) {
+    if (reset_ && !reset_->due && keeper_.is_settled(reset_->waits_for)) reset_->due = now + reply_pause;
+}
+
+void Adapter::schedule_address(enip::Time now) {
+    if (!wants_address_ || !keeper_.is_settled(*wants_address_)) return;
+    wants_address_.reset();
+    address_due_ = now + reply_pause;
+}
+
 void Adapter::reset(enip::Time now) {
-    if (!reset_ || reset_->due > now) return;
-    const auto type = std::exchange(reset_, std::nullopt)->type;
-    log_(LogLevel::info, type == ResetType::restart ? "restart: all connections are closed"
-                                                    : "factory defaults and restart: all connections are closed");
+    if (!reset_ || !reset_->due || *reset_->due > now) return;
+    log_(LogLevel::info, reset_->type == ResetType::restart
+                             ? "restart: all connections are closed"
+                             : "factory defaults and restart: all connections are closed");
+    restart();
+}
+
+// Logic power has been off: what objects and connections remember is forgotten, and what is kept comes back.
+void Adapter::restart() {
+    note_changes();
+    reset_.reset();  // what it asked for has happened
     shut_down();
-    if (type == ResetType::factory_defaults) {
-        // Everything that a client can set goes back; the latest conflict is a record, not a setting.
-        NetworkSettings defaults;
-        defaults.last_conflict = network_.settings.last_conflict;
-        network_.settings = defaults;
-    }
+    keeper_.cut_power();
+    come_up();
+}
+
+void Adapter::come_up() {
+    const auto state = keeper_.newest();
+    network_.settings = state.network;
+    device_.power_up(state.parameters);
+    noted_writes_ = device_.lasting_writes();
+    configuration_bad_ = false;
+    wants_address_.reset();
     start_firmware();
     apply_address(AddressChange::restart);
-    if (restart_) {
-        restart_(type);
-    } else {
-        device_.reset();
+}
+
+void Adapter::power_up_with(const StoredState& state) {
+    firmware_.restore(state.firmware);
+    noted_flash_ = state.firmware;
+    keeper_.start_from(state);
+    come_up();
+    shown_ = module_state();
+}
+
+// Whoever has changed what is kept: a request, a command that has ended by now, the network, a download. What is written
+// while factory defaults are on their way goes with the rest.
+void Adapter::note_changes() {
+    if (reset_ && reset_->type != ResetType::restart) return;
+    const auto writes = device_.lasting_writes();
+    if (writes == noted_writes_ && !came_to_rest_ && firmware_.snapshot() == noted_flash_ &&
+        network_.settings == keeper_.newest().network) {
+        return;
     }
+    noted_writes_ = writes;
+    came_to_rest_ = false;
+    noted_flash_ = firmware_.snapshot();
+    keeper_.change({network_.settings, device_.stored(), noted_flash_});
+}
+
+void Adapter::on_stored(bool ok, enip::Time now) {
+    if (!ok) take_back();
+    keeper_.on_stored(ok);
+    if (ok) configuration_bad_ = false;
+    schedule_reset(now);
+    schedule_address(now);
+    for (auto& [id, connection] : connections_) send_late_replies(*connection, now);
+}
+
+// Those who wait for it hear that it is not kept, and nobody finds it afterwards.
+void Adapter::take_back() {
+    refuse_waiting_replies();
+    const auto& kept = keeper_.durable();
+    network_.settings = kept.network;
+    device_.restore(kept.parameters);
+    noted_writes_ = device_.lasting_writes();
+    if (reset_ && reset_->type != ResetType::restart) reset_.reset();
+    if (wants_address_) network_.state.address.pending = false;
+    wants_address_.reset();
+}
+
+void Adapter::refuse_waiting_replies() {
+    std::size_t refused = 0;
+    for (auto& [id, connection] : connections_) {
+        for (auto& late : connection->late) {
+            if (keeper_.is_settled(late.waits_for)) continue;
+            late.reply = unkept(late.reply);
+            manager_->amend(id, late.reply);
+            ++refused;
+        }
+    }
+    log_(LogLevel::error,
+         fmt::format("what was written could not be stored and is taken back; {} requests are refused", refused));
 }
 
 // Reply first, then apply (R-TCP-6).
@@ -707,6 +823,9 @@ void Adapter::advance(enip::Time now) {
         static_cast<void>(apply(due->event, to_server(due->at)));
     }
     device_.step(time);
+    const bool moves = device_.next_deadline().has_value();
+    came_to_rest_ = came_to_rest_ || (moves_ && !moves);
+    moves_ = moves;
     faults_.advance(now);
     file_object_->on_time(faults_.bus_time(now));
     advance_firmware(now);
@@ -720,6 +839,7 @@ bool Adapter::inject(const Happening& event, enip::Time now) {
     manager_->io().note_changes(faults_.bus_time(now));
     take_held_octets(now);
     manager_->io().note_changes(faults_.bus_time(now));
+    note_changes();
     note_lights();
     return taken;
 }
@@ -731,8 +851,11 @@ bool Adapter::apply(const Happening& event, enip::Time now) {
     log_(LogLevel::info, fmt::format("event: {}", describe(event)));
     if (const auto* fault = std::get_if<NetworkFault>(&event)) return begin(*fault, now);
     const auto& machine = std::get<drive::Event>(event);
-    device_.inject(machine);
-    if (std::holds_alternative<drive::event::PowerCycle>(machine)) restart_by_power();
+    if (std::holds_alternative<drive::event::PowerCycle>(machine)) {
+        restart();
+    } else {
+        device_.inject(machine);
+    }
     return true;
 }
 
@@ -743,8 +866,7 @@ bool Adapter::begin(const NetworkFault& fault, enip::Time now) {
         return false;
     }
     if (std::holds_alternative<fault::Restart>(fault)) {
-        device_.inject(drive::event::PowerCycle{});
-        restart_by_power();
+        restart();
     } else if (const auto* close = std::get_if<fault::CloseSessions>(&fault)) {
         for (auto& [id, connection] : connections_) {
             const auto handle = sessions_.handle_of(id);
@@ -753,14 +875,6 @@ bool Adapter::begin(const NetworkFault& fault, enip::Time now) {
         }
     }
     return true;
-}
-
-// Logic power has been off: what objects and connections remember is forgotten.
-void Adapter::restart_by_power() {
-    reset_.reset();  // what a Reset asked for has happened
-    shut_down();
-    start_firmware();
-    apply_address(AddressChange::restart);
 }
 
 // The flash has been written up to now.
@@ -807,21 +921,18 @@ std::optional<std::string> Adapter::download(const FlashImage& image, enip::Time
     if (auto wrong = firmware_.download(image, now)) return wrong;
     log_(LogLevel::info, fmt::format("download of firmware {} begins, {} octets", to_string(image.version),
                                      image.bit_stream_octets + image.firmware_octets));
+    note_changes();
     note_lights();
     return std::nullopt;
 }
 
 std::optional<std::string> Adapter::install(const FlashImage& image) {
     if (auto wrong = firmware_.install(image)) return wrong;
+    delivered_.firmware = noted_flash_ = firmware_.snapshot();
+    keeper_.start_from({network_.settings, device_.stored(), noted_flash_});
     start_firmware();
     shown_ = module_state();
     return std::nullopt;
-}
-
-void Adapter::restore_firmware(const FirmwareUnit::Flash& flash) {
-    firmware_.restore(flash);
-    start_firmware();
-    shown_ = module_state();
 }
 
 ModuleState Adapter::module_state() const {
@@ -871,6 +982,7 @@ std::vector<std::pair<std::uint32_t, enip::Endpoint>> Adapter::open_sessions() c
 void Adapter::shut_down() {
     access_log_.flush();
     for (auto& [id, connection] : connections_) {
+        connection->late.clear();
         expire(*connection);
     }
 }

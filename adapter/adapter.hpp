@@ -34,7 +34,9 @@
 #include "adapter/network_settings.hpp"
 #include "adapter/network_state.hpp"
 #include "adapter/session.hpp"
+#include "adapter/state_keeper.hpp"
 #include "adapter/status_lights.hpp"
+#include "adapter/stored_state.hpp"
 #include "adapter/timetable.hpp"
 #include "cip/message_router.hpp"
 #include "drive/device.hpp"
@@ -77,10 +79,6 @@ public:
     [[nodiscard]] std::vector<ConnectionId> take_expired() override;
     [[nodiscard]] std::vector<ConnectionId> take_ready() override;
 
-    /// What an Identity Reset does to the device: called when all connections are closed, a moment after the reply.
-    /// Without it, the device goes back to its printed defaults.
-    void on_restart(std::function<void(ResetType)> restart) { restart_ = std::move(restart); }
-
     /// What a Set of address or method does to the device's address (R-TCP-6): called when all connections are closed, a
     /// moment after the reply, and at each restart. Without it the settings are applied by apply_address_settings().
     void on_address_change(std::function<void(AddressChange)> change) { change_address_ = std::move(change); }
@@ -92,8 +90,6 @@ public:
     [[nodiscard]] std::optional<std::string> download(const FlashImage& image, enip::Time now);
     /// The image as if it had been there at power-on, or why not; before anybody is served.
     [[nodiscard]] std::optional<std::string> install(const FlashImage& image);
-    /// Powers up with what a FirmwareUnit::snapshot() has kept; before anybody is served.
-    void restore_firmware(const FirmwareUnit::Flash& flash);
     [[nodiscard]] const FirmwareUnit& firmware() const { return firmware_; }
     /// Who makes the data sheet of a device with another revision. Without it the data sheet stays as it is.
     using MakeSheet = std::function<DeviceFile(const drive::Identity&)>;
@@ -111,6 +107,24 @@ public:
         std::uint64_t datagrams = 0;  ///< of class 0 and 1
     };
     [[nodiscard]] const StrangerCounters& strangers() const { return strangers_; }
+
+    /// Who makes durable what is kept over power-off, one state at a time, and says on_stored() when that is done. Replies
+    /// to writes wait for it. Without, what is kept lives in memory.
+    void store_with(StateKeeper::Sink sink) { keeper_.write_with(std::move(sink)); }
+    /// The state that was handed out last is durable, or could not be made so: then what was written since the one before
+    /// is taken back, and those writes are answered with 0x19. The server has to look at take_ready() afterwards.
+    void on_stored(bool ok, enip::Time now);
+    /// The device comes up with what was kept; before anybody is served.
+    void power_up_with(const StoredState& state);
+    /// What was kept could not be used: the Identity tells so until something is stored, or the next power-up.
+    void report_bad_configuration() { configuration_bad_ = true; }
+    /// What is kept, as it will be when everything is durable; and as it is before anybody has written anything.
+    [[nodiscard]] const StoredState& kept() const { return keeper_.newest(); }
+    [[nodiscard]] const StoredState& delivered() const { return delivered_; }
+    /// Something of that is not durable yet.
+    [[nodiscard]] bool is_storing() const { return keeper_.waits(); }
+    /// What the Identity object makes its status of.
+    [[nodiscard]] DeviceCondition condition() const;
 
     /// What happens to the drive while it runs. The timetable's clock starts at the first `now` that the adapter is
     /// given, which is when the server starts to serve.
@@ -155,7 +169,8 @@ private:
     struct Connection;
     struct Reset {
         ResetType type;
-        enip::Time due;
+        StateKeeper::Generation waits_for;  ///< the reply does, and what is kept then is what comes up
+        std::optional<enip::Time> due;
     };
     struct DelayedReply {
         enip::Time due;
@@ -164,7 +179,6 @@ private:
 
     void build_objects();
     [[nodiscard]] Resources resources() const;
-    [[nodiscard]] IdentityObject::Present present() const;
     [[nodiscard]] std::optional<OpenRefusal> refuse_open(const cip::ForwardOpen& open);
     void advance_firmware(enip::Time now);
     void start_firmware();
@@ -186,12 +200,20 @@ private:
                                                             enip::Time now);
     [[nodiscard]] enip::Frame list(const enip::Frame& request, enip::Endpoint local) const;
     [[nodiscard]] bool delay(enip::Datagram datagram, const enip::Frame& request, enip::Time now);
+    [[nodiscard]] cip::GeneralStatus grant_reset(ResetType type);
+    [[nodiscard]] StoredState after_reset(ResetType type) const;
+    void schedule_reset(enip::Time now);
+    void schedule_address(enip::Time now);
     void reset(enip::Time now);
+    void restart();
+    void come_up();
+    void note_changes();
+    void take_back();
+    void refuse_waiting_replies();
     void apply_address(AddressChange change);
     void change_address(enip::Time now);
     bool apply(const Happening& event, enip::Time now);
     bool begin(const NetworkFault& fault, enip::Time now);
-    void restart_by_power();
     void note_lights();
     [[nodiscard]] bool is_stranger(enip::Endpoint peer, std::uint64_t& count, std::string_view way, enip::Time now);
     [[nodiscard]] bool io_is_due_by(enip::Time time) const;
@@ -199,7 +221,9 @@ private:
     void hold_octets(Connection& connection, cip::ByteView octets);
     void take_held_octets(enip::Time now);
     void take_late_io(enip::Time now);
-    void send_reply(Connection& connection, const enip::Frame& reply, enip::Time now);
+    void send_reply(Connection& connection, const enip::Frame& reply, StateKeeper::Generation waits_for,
+                    enip::Time now);
+    [[nodiscard]] bool may_leave(const Connection& connection, enip::Time now) const;
     void send_late_replies(Connection& connection, enip::Time now);
     void produce(enip::Time now);
     [[nodiscard]] std::optional<enip::Time> deadline_of(const Connection& connection) const;
@@ -235,12 +259,19 @@ private:
     enip::IoQueue produced_;     ///< on its way through faults
     bool holds_octets_ = false;  ///< of some connection
     std::optional<Reset> reset_{};
+    StoredState delivered_;
+    StateKeeper keeper_;
+    bool configuration_bad_ = false;
+    std::uint64_t resets_granted_ = 0;
+    std::uint64_t noted_writes_ = 0;  ///< of the device, that keeper_ knows of
+    bool moves_ = false;              ///< the device did at the last step
+    bool came_to_rest_ = false;       ///< since keeper_ was told: a command may have changed what is kept
+    FirmwareUnit::Flash noted_flash_;
     std::uint8_t explicit_dscp_ = 0;
-    bool wants_address_ = false;  ///< since the message that is being answered
+    std::optional<StateKeeper::Generation> wants_address_{};  ///< the reply of the Set waits for it
     std::optional<enip::Time> address_due_{};
     std::function<void(AddressChange)> change_address_;
     std::function<std::uint16_t()> measure_cpu_;
-    std::function<void(ResetType)> restart_;
     Playback playback_;
 };
 

@@ -373,6 +373,12 @@ std::optional<enip::SendData> ConnectionManager::on_connected(const enip::Connec
     return explicit_.on_message(message, origin, router_);
 }
 
+void ConnectionManager::amend(std::uint64_t session, const enip::Frame& reply) {
+    const auto data = enip::SendData::parse(reply.data);
+    if (!data) return;
+    if (const auto connected = enip::connected_message(*data)) explicit_.amend(session, *connected);
+}
+
 void ConnectionManager::on_timer(cip::Time now, enip::IoQueue& queue) {
     io_.on_timer(now, queue, counters_[static_cast<std::size_t>(Counter::connection_timeouts) - 1]);
     explicit_.on_timer(now, [this](const ExplicitConnection& connection) {

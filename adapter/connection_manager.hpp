@@ -69,6 +69,8 @@ public:
 
     /// A TCP connection has gone: its class 3 connections go with it, class 1 lives on (R-ENC-25).
     void on_session_closed(std::uint64_t session) { explicit_.on_session_closed(session); }
+    /// What a SendUnitData to this TCP connection says now takes the place of what its class 3 connection remembers.
+    void amend(std::uint64_t session, const enip::Frame& reply);
     /// Closes the connections whose time is over, and produces what is due into `queue`.
     void on_timer(cip::Time now, enip::IoQueue& queue);
     [[nodiscard]] std::optional<cip::Time> next_deadline() const;

@@ -121,6 +121,14 @@ std::optional<enip::SendData> ExplicitConnections::on_message(const enip::Connec
     return enip::SendData::connected(connection.t_to_o_id, message.sequence, connection.last_reply);
 }
 
+void ExplicitConnections::amend(std::uint64_t session, const enip::ConnectedMessage& reply) {
+    for (auto& [id, connection] : connections_) {
+        const bool is_it = connection.session == session && connection.t_to_o_id == reply.connection_id &&
+                           connection.last_sequence == reply.sequence;
+        if (is_it) connection.last_reply.assign(reply.message.begin(), reply.message.end());
+    }
+}
+
 const ExplicitConnection* ExplicitConnections::find(const cip::ConnectionTriad& triad) const {
     const auto found =
         std::ranges::find_if(connections_, [&](const auto& entry) { return entry.second.triad == triad; });

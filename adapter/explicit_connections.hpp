@@ -57,6 +57,10 @@ public:
     [[nodiscard]] std::optional<enip::SendData> on_message(const enip::ConnectedMessage& message,
                                                            const cip::Origin& origin, cip::MessageRouter& router);
 
+    /// What `reply` says takes the place of the reply that is remembered for its sequence count, in a connection of this
+    /// TCP connection.
+    void amend(std::uint64_t session, const enip::ConnectedMessage& reply);
+
     [[nodiscard]] const ExplicitConnection* find(const cip::ConnectionTriad& triad) const;
     [[nodiscard]] const ExplicitConnection* find(std::uint16_t number) const;
     [[nodiscard]] bool uses(std::uint32_t id) const { return connections_.contains(id); }

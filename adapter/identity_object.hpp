@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "adapter/identity_status.hpp"
 #include "cip/object.hpp"
 #include "cip/request_path.hpp"
 #include "drive/device.hpp"
@@ -11,25 +12,19 @@
 
 namespace servobus::adapter {
 
-/// Attribute 8, as far as this device takes the states (R-ID-5).
-enum class IdentityState : std::uint8_t { standby = 2, operational = 3 };
-
 /// The data of service 0x05 (R-ID-8).
 enum class ResetType : std::uint8_t {
-    restart = 0,           ///< as after a power cycle
-    factory_defaults = 1,  ///< and then a restart
+    restart = 0,                        ///< as after a power cycle
+    factory_defaults = 1,               ///< and then a restart
+    factory_defaults_keep_network = 2,  ///< the same, with the settings of 0xF5, 0xF6 and 0x48 as they are
 };
 
 class IdentityObject final : public cip::Object {
 public:
     /// Grants a reset, which takes effect when the reply has left, or says why not.
     using Reset = std::function<cip::GeneralStatus(ResetType, cip::Time)>;
-    /// What is so at the moment of asking: the status word (R-ID-3, R-ID-4) and the state (R-ID-5).
-    struct Present {
-        std::uint16_t status = 0;
-        IdentityState state = IdentityState::operational;
-    };
-    IdentityObject(drive::Identity identity, Reset reset, std::function<Present()> present);
+    /// The identity outlives this; what changes in it is told from then on.
+    IdentityObject(const drive::Identity& identity, Reset reset, std::function<DeviceCondition()> condition);
 
     [[nodiscard]] cip::ClassInfo info() const override;
     [[nodiscard]] bool offers(std::uint8_t service) const override;
@@ -44,9 +39,9 @@ public:
     [[nodiscard]] enip::IdentityItem item(enip::SocketAddress own) const;
 
 private:
-    drive::Identity identity_;
+    const drive::Identity& identity_;
     Reset reset_;
-    std::function<Present()> present_;
+    std::function<DeviceCondition()> condition_;
 };
 
 /// What an electronic key is compared with.

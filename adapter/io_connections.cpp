@@ -16,14 +16,6 @@ using cip::ConnectionFailure;
 using cip::ConnectionType;
 using std::chrono::microseconds;
 
-// Of the Identity status word (R-ID-3, R-ID-4).
-constexpr std::uint16_t owned_bit = 0x0001;
-constexpr unsigned extended_status_shift = 4;
-constexpr std::uint16_t a_connection_timed_out = 2;
-constexpr std::uint16_t no_connection = 3;
-constexpr std::uint16_t a_connection_runs = 6;
-constexpr std::uint16_t all_connections_idle = 7;
-
 bool is_multicast(const cip::ForwardOpen& request) { return request.t_to_o.type == ConnectionType::multicast; }
 
 // Attribute 4 to 7 of QoS, by the priority of the direction that we send (R-QOS-5).
@@ -422,13 +414,10 @@ const IoConnection* IoConnections::find(std::uint16_t number) const {
 }
 
 // By priority: one that runs, one that is lost, all idle, none.
-std::uint16_t IoConnections::identity_status() const {
-    const bool runs = owner_ != nullptr && owner_->consumer.run();
-    const auto extended = runs                    ? a_connection_runs
-                          : faulted_              ? a_connection_timed_out
-                          : !connections_.empty() ? all_connections_idle
-                                                  : no_connection;
-    return static_cast<std::uint16_t>((owner_ != nullptr ? owned_bit : 0) | extended << extended_status_shift);
+IoCondition IoConnections::condition() const {
+    if (owner_ != nullptr && owner_->consumer.run()) return IoCondition::running;
+    if (faulted_) return IoCondition::timed_out;
+    return connections_.empty() ? IoCondition::none : IoCondition::idle;
 }
 
 }  // namespace servobus::adapter

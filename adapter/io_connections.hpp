@@ -14,6 +14,7 @@
 #include "adapter/connection_ids.hpp"
 #include "adapter/drive_io.hpp"
 #include "adapter/forward_open_checks.hpp"
+#include "adapter/identity_status.hpp"
 #include "adapter/limits.hpp"
 #include "adapter/log.hpp"
 #include "adapter/network_state.hpp"
@@ -88,8 +89,8 @@ public:
     [[nodiscard]] std::size_t groups_in_use() const;
     [[nodiscard]] const StrayCounters& strays() const { return strays_; }
 
-    /// Bit 0 and bits 4..7 of the Identity status word (R-ID-3, R-ID-4).
-    [[nodiscard]] std::uint16_t identity_status() const;
+    /// What they do, all together (R-ID-4).
+    [[nodiscard]] IoCondition condition() const;
 
 private:
     /// Sockaddr items as a request has them.

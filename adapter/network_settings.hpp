@@ -31,6 +31,7 @@ struct MulticastAllocation {
     bool chosen = false;
     std::uint16_t count = 1;  ///< 1..32
     std::uint32_t start = 0;  ///< of class D, in host order
+    friend bool operator==(const MulticastAllocation&, const MulticastAllocation&) = default;
 };
 
 /// Attribute 11 of 0xF5 (R-TCP-10): all zero while no conflict has been seen.
@@ -42,6 +43,7 @@ struct QualityOfService {
     /// Urgent, scheduled, high, low, explicit.
     std::array<std::uint8_t, 5> dscp{enip::dscp_urgent, enip::dscp_scheduled, enip::dscp_high, enip::dscp_low,
                                      enip::dscp_explicit};
+    friend bool operator==(const QualityOfService&, const QualityOfService&) = default;
 };
 
 struct NetworkSettings {
@@ -57,9 +59,11 @@ struct NetworkSettings {
     struct LinkControl {
         std::uint16_t bits = 1;
         std::uint16_t forced_speed = 0;
+        friend bool operator==(const LinkControl&, const LinkControl&) = default;
     };
     std::array<LinkControl, 2> links{};
     QualityOfService qos;
+    friend bool operator==(const NetworkSettings&, const NetworkSettings&) = default;
 };
 
 }  // namespace servobus::adapter

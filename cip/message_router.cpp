@@ -214,6 +214,7 @@ Response MessageRouter::carry_out(const Access& access, Object& object) {
             break;
         case service::set_attribute_single:
             response.status = set_single(object, path, request.data);
+            if (response.status.ok()) ++sets_;
             break;
         case service::get_attributes_all:
             response.status = get_all(object, path, response.data);
@@ -268,6 +269,7 @@ Status MessageRouter::set_entry(const Access& list, Object& object, const SetEnt
     if (status.ok() && gate_ != nullptr) status = gate_->admit(access);
     if (status.ok()) {
         status = set_single(object, {list.path->class_id, list.path->instance, entry.id, {}}, entry.value);
+        if (status.ok()) ++sets_;
     }
     if (gate_ != nullptr) gate_->ended(access, {list.request.service, status, {}});
     return status;

@@ -1,6 +1,7 @@
 // Finds the object that a request means, and checks what is the same for all objects (sections 2.3 and 2.4).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -39,6 +40,9 @@ public:
     /// Answers any message of at least two octets (R-MSG-3); shorter ones are an encapsulation error and yield nullopt.
     [[nodiscard]] std::optional<Response> handle(ByteView message, const Origin& origin);
 
+    /// How many attributes have been set.
+    [[nodiscard]] std::uint64_t sets() const { return sets_; }
+
 private:
     struct SetEntry;  ///< one entry of a Set_Attribute_List
 
@@ -53,6 +57,7 @@ private:
     NodeIdentity node_;
     Gate* gate_ = nullptr;
     std::map<std::uint32_t, std::unique_ptr<Object>> objects_;
+    std::uint64_t sets_ = 0;
 };
 
 }  // namespace servobus::cip

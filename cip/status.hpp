@@ -28,6 +28,7 @@ enum class GeneralStatus : std::uint8_t {
     attribute_not_supported = 0x14,  ///< R-ERR-5
     too_much_data = 0x15,            ///< R-ERR-8
     object_does_not_exist = 0x16,
+    store_operation_failure = 0x19,       ///< what was written could not be made to last
     missing_attribute_list_entry = 0x1C,  ///< R-MSG-15
     embedded_service_error = 0x1E,        ///< R-MSG-16
     vendor_specific = 0x1F,               ///< R-DEV-3

@@ -362,7 +362,7 @@ TEST(FirmwareOfADrive, IsKeptByWhoeverKeepsItsSnapshot) {
     ASSERT_EQ(site.adapter.download(image_of({.major_revision = 3, .minor_revision = 2}), site.now), std::nullopt);
     site.advance(2s);
     IoSite next;
-    next.adapter.restore_firmware(site.adapter.firmware().snapshot());
+    next.adapter.power_up_with(site.adapter.kept());
     IoPeer peer(next);
     EXPECT_EQ(peer.call(revision), hex("8E 00 00 00 03 02"));
     EXPECT_EQ(to_string(next.adapter.firmware().running()->version), "1.05");

@@ -75,20 +75,23 @@ TEST(Identity, R_ID_7_ListIdentityAgreesWithTheAttributes) {
 
 class IdentityReset : public testing::Test {
 protected:
-    // Everything that a reset has to bring back: a parameter, an assembly's memory, a counter, an open connection.
+    const std::string written = hex("8E 00 00 00 32 00 00 00");
+
+    // A parameter that a restart keeps and factory defaults do not, process data over it, and what no reset keeps: an
+    // assembly's memory, a counter, an open connection.
     void spoil() {
         EXPECT_EQ(peer_.call("10 03 20 64 24 01 30 00 32 00 00 00"), done);
         EXPECT_EQ(peer_.call("10 03 20 04 24 65 30 03 07000000 10270000 10270000 0A000000 0000"), done);
         peer_.open_class3();
     }
-    void expect_restarted() {
+    void expect_restarted(const std::string& s_curve_then) {
         EXPECT_FALSE(peer_.open());
         EXPECT_EQ(site_.expired, std::vector{peer_.id()});
         peer_.close();
         EXPECT_EQ(site_.adapter.sessions(), 0U);
         EXPECT_EQ(site_.adapter.class3_connections(), 0U);
         auto next = registered(site_);
-        EXPECT_EQ(next.call(get_s_curve), s_curve);
+        EXPECT_EQ(next.call(get_s_curve), s_curve_then);
         EXPECT_EQ(next.call("0E 03 20 04 24 65 30 03"), hex("8E 00 00 00" + std::string(36, '0'))) << "R-ASM-2";
         EXPECT_EQ(next.call("0E 03 20 06 24 01 30 01"), hex("8E 00 00 00 00 00"));
     }
@@ -104,7 +107,7 @@ TEST_F(IdentityReset, R_ID_8_Type0RestartsAHundredMillisecondsAfterTheReply) {
         EXPECT_TRUE(peer_.open());
         EXPECT_EQ(peer_.call(get_s_curve), hex("8E 00 00 00 0A 00 00 00"));
         site_.advance(1ms);
-        expect_restarted();
+        expect_restarted(written);
     }
 }
 
@@ -112,7 +115,7 @@ TEST_F(IdentityReset, R_ID_8_NoTypeIsType0) {
     spoil();
     EXPECT_EQ(peer_.call("05 02 20 01 24 01"), hex("85 00 00 00"));
     site_.advance(100ms);
-    expect_restarted();
+    expect_restarted(written);
 }
 
 TEST_F(IdentityReset, R_ID_8_AskingAgainDoesNotPutItOff) {
@@ -121,7 +124,7 @@ TEST_F(IdentityReset, R_ID_8_AskingAgainDoesNotPutItOff) {
     site_.advance(60ms);
     EXPECT_EQ(peer_.call("05 02 20 01 24 01 00"), hex("85 00 00 00"));
     site_.advance(40ms);
-    expect_restarted();
+    expect_restarted(written);
 }
 
 TEST_F(IdentityReset, R_ID_8_Type1BringsTheFactoryDefaults) {
@@ -129,7 +132,7 @@ TEST_F(IdentityReset, R_ID_8_Type1BringsTheFactoryDefaults) {
     EXPECT_EQ(peer_.call("10 03 20 F5 24 01 30 0D 0A 00"), done);
     EXPECT_EQ(peer_.call("05 02 20 01 24 01 01"), hex("85 00 00 00"));
     site_.advance(100ms);
-    expect_restarted();
+    expect_restarted(s_curve);
     EXPECT_EQ(registered(site_).call("0E 03 20 F5 24 01 30 0D"), hex("8E 00 00 00 78 00"));
 }
 
@@ -141,24 +144,24 @@ TEST_F(IdentityReset, R_ID_8_Type0KeepsTheNetworkSettings) {
     EXPECT_EQ(registered(site_).call("0E 03 20 F5 24 01 30 0D"), hex("8E 00 00 00 0A 00"));
 }
 
+TEST_F(IdentityReset, R_ID_8_Type2BringsTheFactoryDefaultsButForTheNetwork) {
+    spoil();
+    EXPECT_EQ(peer_.call("10 03 20 F5 24 01 30 0D 0A 00"), done);
+    EXPECT_EQ(peer_.call("05 02 20 01 24 01 02"), hex("85 00 00 00"));
+    site_.advance(100ms);
+    expect_restarted(s_curve);
+    EXPECT_EQ(registered(site_).call("0E 03 20 F5 24 01 30 0D"), hex("8E 00 00 00 0A 00"));
+}
+
 TEST_F(IdentityReset, R_ID_8_OtherTypesAreRefusedAndNothingHappens) {
     EXPECT_EQ(peer_.call("10 03 20 64 24 01 30 00 32 00 00 00"), done);
-    for (const auto* type : {"02", "03", "05", "FF"}) {
+    for (const auto* type : {"03", "05", "FF"}) {
         EXPECT_EQ(peer_.call(std::string("05 02 20 01 24 01 ") + type), hex("85 00 20 00")) << type;
     }
     EXPECT_EQ(peer_.call("05 02 20 01 24 01 00 00"), hex("85 00 15 00"));
     site_.advance(1s);
     EXPECT_TRUE(peer_.open());
     EXPECT_EQ(peer_.call(get_s_curve), hex("8E 00 00 00 32 00 00 00"));
-}
-
-TEST_F(IdentityReset, R_ID_8_TellsItsOwnerWhichTypeItWas) {
-    std::vector<adapter::ResetType> types;
-    site_.adapter.on_restart([&](adapter::ResetType type) { types.push_back(type); });
-    EXPECT_EQ(peer_.call("05 02 20 01 24 01 01"), hex("85 00 00 00"));
-    EXPECT_TRUE(types.empty());
-    site_.advance(100ms);
-    EXPECT_EQ(types, std::vector{adapter::ResetType::factory_defaults});
 }
 
 TEST_F(IdentityReset, R_ID_8_ClosesEveryConnection) {
