@@ -33,7 +33,8 @@ std::optional<std::string> lock_memory() {
 
 std::optional<std::string> use_priority(int priority) {
     const sched_param parameters{.sched_priority = priority};
-    if (sched_setscheduler(0, SCHED_FIFO, &parameters) == 0) return std::nullopt;
+    // Threads that come later are for what may take long, and run as usual.
+    if (sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) == 0) return std::nullopt;
     if (errno == EINVAL) {
         return fmt::format("real-time priority {} is not there: it is {} to {}", priority,
                            sched_get_priority_min(SCHED_FIFO), sched_get_priority_max(SCHED_FIFO));

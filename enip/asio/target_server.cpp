@@ -11,7 +11,9 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -47,6 +49,7 @@ public:
     void every(std::chrono::milliseconds interval, std::function<void(Time)> look);
     void catch_signals();
     void run(const std::function<void()>& stopping);
+    void in_background(Target& target, std::function<void()> job, std::function<void(Time)> done);
     void stop() {
         net::post(context_, [this] { shut_down(); });
     }
@@ -81,6 +84,7 @@ private:
     bool sends_ = false;
     std::function<void()> stopping_;
     bool stopped_ = false;
+    std::unique_ptr<net::thread_pool> background_;  ///< from the first job on
 };
 
 boost::system::result<Listening, ListenError> TargetServer::Impl::listen(Target& target, const ListenOptions& options) {
@@ -148,6 +152,21 @@ void TargetServer::Impl::run(const std::function<void()>& stopping) {
     for (const auto& lines : lines_) lines->start();
     for (const auto& onlooker : onlookers_) net::co_spawn(context_, look_on(*onlooker), net::detached);
     context_.run();
+    if (background_) background_->join();
+}
+
+void TargetServer::Impl::in_background(Target& target, std::function<void()> job, std::function<void(Time)> done) {
+    if (!background_) background_ = std::make_unique<net::thread_pool>(1);
+    net::post(*background_, [this, &target, job = std::move(job), done = std::move(done)] {
+        job();
+        net::post(context_, [this, &target, done] {
+            if (stopped_) return;
+            done(std::chrono::steady_clock::now());
+            for (const auto& station : stations_) {
+                if (&station->target() == &target) station->after_line();
+            }
+        });
+    });
 }
 
 net::awaitable<void> TargetServer::Impl::wait_for_signal() {
@@ -217,6 +236,10 @@ std::optional<ListenError> TargetServer::serve_lines(const LineService& service,
 
 void TargetServer::every(std::chrono::milliseconds interval, std::function<void(Time)> look) {
     impl_->every(interval, std::move(look));
+}
+
+void TargetServer::in_background(Target& target, std::function<void()> job, std::function<void(Time)> done) {
+    impl_->in_background(target, std::move(job), std::move(done));
 }
 
 void TargetServer::catch_signals() { impl_->catch_signals(); }

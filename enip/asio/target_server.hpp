@@ -15,6 +15,7 @@
 #include "enip/encapsulation.hpp"
 #include "enip/link_user.hpp"
 #include "enip/target.hpp"
+#include "enip/time.hpp"
 
 namespace servobus::enip::asio {
 
@@ -77,6 +78,10 @@ public:
     /// Calls `look` on the thread of run(), first when it starts and then at each interval, for whoever shows how the targets
     /// are. It must change nothing about them. Any number of these, before run().
     void every(std::chrono::milliseconds interval, std::function<void(Time)> look);
+
+    /// Does a job on a thread beside that of run(), one after the other, and then `done` on that of run(), with the time
+    /// there; afterwards the target is asked what it has to send. While run() goes on. It returns when all jobs are done.
+    void in_background(Target& target, std::function<void()> job, std::function<void(Time)> done);
 
     /// From now on SIGINT and SIGTERM do what stop() does; one that comes before run() ends it at once.
     void catch_signals();
