@@ -196,6 +196,7 @@ std::optional<FileError> read_members(const JsonDocument& document, Config& conf
         {"seed", whole_number(config.seed, 0, max_seed)},
         {"motor", one_of(config.motor, motors)},
         {"scenario", text(config.scenario)},
+        {"state", text(config.state)},
         {"eds", text(config.eds)},
         {"icon", text(config.icon)},
         {"flash", text(config.flash)},

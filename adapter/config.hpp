@@ -50,6 +50,8 @@ struct Config {
     std::optional<std::string> icon{};
     /// The firmware image that is in the flash at power-on; a path relative to the working directory.
     std::optional<std::string> flash{};
+    /// The directory that keeps what is written to the drives over the end of the program.
+    std::optional<std::string> state{};
     /// What happens to the drive while the program runs: the file that parse_scenario() reads.
     std::optional<std::string> scenario{};
     /// What parameters hold instead of their printed defaults until somebody writes them, whatever their access.

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <random>
@@ -28,6 +29,7 @@
 #include "adapter/ready_line.hpp"
 #include "adapter/ring_node.hpp"
 #include "adapter/scenario.hpp"
+#include "adapter/state_storing.hpp"
 #include "adapter/status_line.hpp"
 #include "adapter/terminal_sink.hpp"
 #include "adapter/version.hpp"
@@ -54,6 +56,8 @@ using servobus::adapter::LineSink;
 using servobus::adapter::LogLevel;
 using servobus::adapter::LogLine;
 using servobus::adapter::RingNode;
+using servobus::adapter::StateDirectory;
+using servobus::adapter::StateStoring;
 using servobus::adapter::Timetable;
 using servobus::enip::asio::CpuLoad;
 using servobus::enip::asio::Listening;
@@ -79,6 +83,8 @@ struct Arguments {
     std::optional<std::string> axis;
     std::optional<std::uint64_t> seed;
     std::optional<std::string> scenario;
+    std::optional<std::string> state;
+    std::optional<std::uint32_t> serial_number;
     std::optional<std::string> flash;
     std::vector<std::string> controls;
     servobus::enip::asio::Scheduling scheduling;
@@ -102,6 +108,15 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
 std::string check_axis(const std::string& word) {
     Config scratch;
     return choose_axis(word, scratch);
+}
+
+void add_state_options(CLI::App& app, Arguments& arguments) {
+    app.add_option("--state", arguments.state,
+                   "Directory that keeps what is written to the drives over the end of the program");
+    app.add_option("--serial", arguments.serial_number,
+                   "Serial number of the drive, decimal or 0x hex; further drives have the ones that follow")
+        ->type_name("N")
+        ->check(CLI::Range(std::uint32_t{1}, std::uint32_t{UINT32_MAX}));
 }
 
 void add_machine_options(CLI::App& app, Arguments& arguments) {
@@ -194,6 +209,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     app.add_option("--config", arguments.config_file, "JSON file with these settings and more; see docs/adapter.md");
     app.add_option("--log-level", arguments.log_level, "How much to say on stderr (info unless given)")
         ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}));
+    add_state_options(app, arguments);
     add_machine_options(app, arguments);
     add_protection_options(app, arguments);
     add_scheduling_options(app, arguments.scheduling);
@@ -210,6 +226,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         "                                            eight of them, at 127.0.1.1 to 127.0.1.8\n"
         "  servobus-adapter --realtime 20 --lock-memory --cpu 1\n"
         "                                            with even packet intervals beside other work\n"
+        "  servobus-adapter --state press-7          what is set stays, over the end of the program\n"
         "  servobus-adapter --config drive.json      with identity, start values and limits of its own\n"
         "  servobus-adapter --axis linax-lxc-230f10 --control -\n"
         "                                            with that axis, and events from standard input\n"
@@ -247,6 +264,8 @@ void override_with(const Arguments& arguments, Config& config) {
     if (arguments.axis) static_cast<void>(choose_axis(*arguments.axis, config));  // checked by parse()
     if (arguments.seed) config.seed = *arguments.seed;
     if (arguments.scenario) config.scenario = *arguments.scenario;
+    if (arguments.state) config.state = *arguments.state;
+    if (arguments.serial_number) config.serial_number = *arguments.serial_number;
     if (arguments.flash) config.flash = *arguments.flash;
     if (!arguments.allowed.empty()) {
         config.allowed = {};
@@ -483,7 +502,7 @@ std::optional<int> join_ring(TargetServer& server, RingNode& node, const Argumen
 }
 
 int serve(const Config& config, const Files& files, const std::vector<std::string>& addresses,
-          const Arguments& arguments) {
+          const Arguments& arguments, std::optional<StateDirectory> state) {
     const auto& controls = arguments.controls;
     const auto terminal = arguments.status_line && ::isatty(STDERR_FILENO) != 0
                               ? std::make_shared<servobus::adapter::TerminalSink>(stderr)
@@ -507,6 +526,15 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     RingNode node(network.state, servobus::adapter::Log(log));
     network.state.ring.announce_based = arguments.ring_announce;
     TargetServer server([&](const std::string& line) { logger->warn(line); });
+    servobus::adapter::PosixFileSystem file_system;
+    std::optional<StateStoring> storing;
+    if (state) {
+        const auto background = [&server](servobus::adapter::Adapter& adapter, auto job, auto then) {
+            server.in_background(adapter, std::move(job), std::move(then));
+        };
+        storing.emplace(file_system, *std::move(state), background, log);
+        for (std::size_t i = 0; i < fleet.size(); ++i) storing->keep(fleet[i].adapter);
+    }
     control.on_stop([&] { server.stop(); });
     std::vector<Listening> places;
     if (config.manage_interface) {
@@ -532,12 +560,23 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
         logger->info("stopping: {} sessions are closed", fleet.sessions());
         fleet.shut_down();
     });
+    if (storing) storing->finish();
     return done;
 }
 
 int list_axes() {
     for (const auto& axis : servobus::adapter::shipped_axes()) fmt::print("{:<24} {}\n", axis.key, axis.name);
     return done;
+}
+
+// The directory, if there is one; or why it cannot be used.
+std::variant<std::optional<StateDirectory>, std::string> open_state(const Config& config) {
+    if (!config.state) return std::nullopt;
+    // A file that grows past a limit is an error like any other, and not the end of the program.
+    static_cast<void>(std::signal(SIGXFSZ, SIG_IGN));
+    auto directory = StateDirectory::open(*config.state);
+    if (auto* reason = std::get_if<std::string>(&directory)) return *std::move(reason);
+    return std::optional(std::get<StateDirectory>(std::move(directory)));
 }
 
 // A descriptor that is missing here would be the next socket's, and be read or written as if it were a stream.
@@ -571,8 +610,15 @@ int run(int argc, char** argv) {
         arguments.binds.size() > 1 ? arguments.binds : std::vector{config.manage_interface.value_or(config.bind)};
     const auto addresses = servobus::adapter::drive_addresses(binds, config.count);
     if (const auto* reason = std::get_if<std::string>(&addresses)) return fail(wrong_usage, *reason);
+    if (config.serial_number.value_or(1) > UINT32_MAX - (config.count - 1)) {
+        return fail(wrong_usage, fmt::format("there are no {} serial numbers from {} on; the last one is 4294967295",
+                                             config.count, *config.serial_number));
+    }
     if (const auto refused = servobus::enip::asio::apply(arguments.scheduling)) return fail(wrong_usage, *refused);
-    return serve(config, files, std::get<std::vector<std::string>>(addresses), arguments);
+    auto state = open_state(config);
+    if (const auto* reason = std::get_if<std::string>(&state)) return fail(wrong_usage, *reason);
+    return serve(config, files, std::get<std::vector<std::string>>(addresses), arguments,
+                 std::get<std::optional<StateDirectory>>(std::move(state)));
 }
 
 }  // namespace
