@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <istream>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -19,6 +20,7 @@ struct Console {
     bool json = false;
     bool terminal = false;                            ///< `err` is one: a line may be written over
     const std::atomic<int>* interruptions = nullptr;  ///< counts in place of Ctrl-C, for tests
+    std::istream* person = nullptr;                   ///< who answers questions; nullptr: nobody is there
 
     /// A line, or several, each with the program's name in front.
     void say(std::string_view message) const;

@@ -202,6 +202,38 @@ std::string call_json(const std::string& host, const CallResult& result) {
     return document(json);
 }
 
+namespace {
+
+Json to_json(const ResetDevice& device) {
+    auto json = to_json(device.identity);
+    json["address"] = text_or_null(device.address);
+    json["address_method"] = device.address_method ? Json(*device.address_method) : Json();
+    return json;
+}
+
+std::string_view name(ResetKind kind) {
+    switch (kind) {
+        case ResetKind::restart:
+            return "restart";
+        case ResetKind::factory:
+            return "factory";
+        case ResetKind::factory_keep_network:
+            return "factory-keep-network";
+    }
+    return {};
+}
+
+}  // namespace
+
+std::string reset_json(const std::string& host, const ResetResult& result) {
+    auto json = with_host(host);
+    json["reset"] = {{"type", static_cast<int>(result.kind)}, {"name", std::string(name(result.kind))}};
+    json["before"] = to_json(result.before);
+    json["after"] = result.after ? to_json(*result.after) : Json();
+    if (result.after) json["away_ms"] = result.away.count();
+    return document(json);
+}
+
 std::string command_json(const std::string& host, const CommandResult& result) {
     auto json = with_host(host);
     json["command"] = to_json(*result.command);

@@ -19,6 +19,7 @@ namespace servobus::scanner::cli {
 [[nodiscard]] std::string devices_json(const enip::asio::FoundDevices& devices,
                                        const std::optional<Failure>& failure = {});
 [[nodiscard]] std::string call_json(const std::string& host, const CallResult& result);
+[[nodiscard]] std::string reset_json(const std::string& host, const ResetResult& result);
 [[nodiscard]] std::string command_json(const std::string& host, const CommandResult& result);
 [[nodiscard]] std::string list_json(std::span<const drive::Parameter* const> rows);
 [[nodiscard]] std::string commands_json(std::span<const drive::DirectCommand* const> commands);

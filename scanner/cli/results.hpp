@@ -1,7 +1,9 @@
 // What a verb found out, before it becomes text or JSON.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -45,6 +47,23 @@ struct Outcome {
 struct CallResult {
     cip::Request request;
     cip::Response response;
+};
+
+/// The data of an Identity Reset (R-ID-8).
+enum class ResetKind : std::uint8_t { restart = 0, factory = 1, factory_keep_network = 2 };
+
+/// A device, and how it has got its address, as far as it tells.
+struct ResetDevice {
+    Identity identity{};
+    std::optional<std::uint8_t> address_method{};  ///< bits 0 to 3 of 0xF5/1/3 (R-TCP-4)
+    std::string address{};                         ///< of 0xF5/1/5; empty when it does not tell
+};
+
+struct ResetResult {
+    ResetKind kind = ResetKind::restart;
+    ResetDevice before{};
+    std::optional<ResetDevice> after{};  ///< nullopt: nobody has waited
+    std::chrono::milliseconds away{};
 };
 
 struct CommandResult {

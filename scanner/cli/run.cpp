@@ -15,6 +15,7 @@
 #include "scanner/cli/eds_command_line.hpp"
 #include "scanner/cli/exit_code.hpp"
 #include "scanner/cli/io_command_line.hpp"
+#include "scanner/cli/reset.hpp"
 #include "scanner/cli/sheet_verbs.hpp"
 #include "scanner/cli/verbs.hpp"
 
@@ -34,7 +35,7 @@ std::string exit_code_lines() {
 class CommandLine {
 public:
     CommandLine(std::ostream& out, std::ostream& err, const Surroundings& around)
-        : console_{out, err, false, around.terminal, around.interruptions} {
+        : console_{out, err, false, around.terminal, around.interruptions, around.person} {
         app_.set_version_flag("--version", "servobus-scanner " SERVOBUS_VERSION);
         app_.require_subcommand(1);
         app_.footer(exit_code_lines() + "\n'servobus-scanner VERB --help' shows examples.");
@@ -42,6 +43,7 @@ public:
         add_discovery();
         add_parameters();
         add_services();
+        add_reset();
         add_axis();
         add_io();
         add_eds();
@@ -186,6 +188,29 @@ private:
         on(verb, [this] { return call(console_, settings_, host_, word_, path_, words_); });
     }
 
+    void add_reset() {
+        auto& verb = add_device_verb("reset", "Restart a device, or bring its factory defaults back",
+                                     "  servobus-scanner reset 192.168.2.100\n"
+                                     "  servobus-scanner reset 192.168.2.100 --factory\n"
+                                     "  servobus-scanner reset 192.168.2.100 --factory-keep-network --yes --json\n");
+        auto* all = verb.add_flag("--factory", reset_all_, "Everything that was set goes back (type 1)");
+        verb.add_flag("--factory-keep-network", reset_but_network_, "The same but for the network settings (type 2)")
+            ->excludes(all);
+        verb.add_flag("--yes", reset_.yes, "Ask nobody");
+        auto* no_wait = verb.add_flag("--no-wait", reset_at_once_, "Do not wait until the device answers again");
+        verb.add_option("--wait", patience_s_, "How long to wait for it, in seconds (30)")
+            ->type_name("SECONDS")
+            ->check(CLI::Range(0.1, max_timeout_s))
+            ->excludes(no_wait);
+        on(verb, [this] {
+            if (reset_all_) reset_.kind = ResetKind::factory;
+            if (reset_but_network_) reset_.kind = ResetKind::factory_keep_network;
+            reset_.wait = !reset_at_once_;
+            reset_.patience = std::chrono::milliseconds(std::llround(patience_s_ * 1000));
+            return reset(console_, settings_, host_, reset_);
+        });
+    }
+
     void add_axis() { axis_.add_to(app_, decoration(), chooser()); }
 
     void add_io() { io_.add_to(app_, decoration(), chooser()); }
@@ -295,6 +320,11 @@ private:
     IoCommandLine io_;
     EdsCommandLine eds_;
     SheetArguments sheet_;
+    ResetArguments reset_;
+    bool reset_all_ = false;
+    bool reset_but_network_ = false;
+    bool reset_at_once_ = false;
+    double patience_s_ = 30;
     double timeout_s_ = 5;
     int wait_ms_ = 1000;
     std::optional<std::string> route_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <istream>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@ namespace servobus::scanner::cli {
 struct Surroundings {
     bool terminal = false;                            ///< `err` is one
     const std::atomic<int>* interruptions = nullptr;  ///< counts in place of Ctrl-C, for tests
+    std::istream* person = nullptr;                   ///< who answers questions; nullptr: nobody is there
 };
 
 /// `arguments` without the program's name. Returns the exit code (exit_code.hpp); never throws.

@@ -222,6 +222,33 @@ std::string call_text(const CallResult& result) {
     return text;
 }
 
+std::string address_method_text(std::optional<std::uint8_t> method) {
+    if (!method) return {};
+    switch (*method) {
+        case 0:
+            return "static address";
+        case 1:
+            return "address by BOOTP";
+        case 2:
+            return "address by DHCP";
+        default:
+            return fmt::format("address by method {}", *method);
+    }
+}
+
+std::string reset_text(const ResetResult& result) {
+    const auto name = printable(result.before.identity.product_name);
+    if (!result.after) return fmt::format("{} restarts\n", name);
+    const auto& [identity, method, address] = *result.after;
+    auto text =
+        fmt::format("{} is back after {:.1f} s: revision {}.{}, serial number 0x{:08X}, status 0x{:04X} {}", name,
+                    static_cast<double>(result.away.count()) / 1000, identity.major_revision, identity.minor_revision,
+                    identity.serial_number, identity.status, status_text(identity.status));
+    if (!address.empty()) text += fmt::format("; {}", address);
+    if (method) text += fmt::format("{}{}", address.empty() ? "; " : ", ", address_method_text(method));
+    return text + '\n';
+}
+
 std::string command_text(const CommandResult& result) {
     const auto& command = *result.command;
     const auto mnemonic = command.mnemonic.empty() ? std::string() : std::string(command.mnemonic) + " ";

@@ -1,6 +1,7 @@
 // Results as people read them. Every function returns whole lines.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +30,9 @@ namespace servobus::scanner::cli {
 [[nodiscard]] std::string identity_text(const Identity& identity);
 [[nodiscard]] std::string devices_text(const enip::asio::FoundDevices& devices);
 [[nodiscard]] std::string call_text(const CallResult& result);
+/// `static address`, `address by DHCP`; empty when it is not known.
+[[nodiscard]] std::string address_method_text(std::optional<std::uint8_t> method);
+[[nodiscard]] std::string reset_text(const ResetResult& result);
 [[nodiscard]] std::string command_text(const CommandResult& result);
 [[nodiscard]] std::string list_text(std::span<const drive::Parameter* const> rows);
 [[nodiscard]] std::string commands_text(std::span<const drive::DirectCommand* const> commands);
