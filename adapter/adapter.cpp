@@ -718,7 +718,7 @@ void Adapter::reset(enip::Time now) {
 void Adapter::restart() {
     note_changes();
     reset_.reset();  // what it asked for has happened
-    shut_down();
+    end_connections();
     keeper_.cut_power();
     come_up();
 }
@@ -979,12 +979,17 @@ std::vector<std::pair<std::uint32_t, enip::Endpoint>> Adapter::open_sessions() c
     return all;
 }
 
-void Adapter::shut_down() {
+void Adapter::end_connections() {
     access_log_.flush();
     for (auto& [id, connection] : connections_) {
         connection->late.clear();
         expire(*connection);
     }
+}
+
+void Adapter::shut_down() {
+    note_changes();
+    end_connections();
 }
 
 }  // namespace servobus::adapter

@@ -207,6 +207,7 @@ private:
     void reset(enip::Time now);
     void restart();
     void come_up();
+    void end_connections();
     void note_changes();
     void take_back();
     void refuse_waiting_replies();

@@ -1,6 +1,6 @@
 // The file that keeps the state of one drive: a line that says what it is and guards it, then the state as JSON.
 //
-//     servobus-state 1 5D2C1F00 61
+//     servobus-state 1 DE5A3C24 66
 //     {"network":{"host_name":"press-7"},"parameters":{"0x64/0x00":50}}
 //
 // The numbers are the version, the CRC-32 of what follows the line, and its length in octets.
