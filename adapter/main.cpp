@@ -575,7 +575,7 @@ std::variant<std::optional<StateDirectory>, std::string> open_state(const Config
     // A file that grows past a limit is an error like any other, and not the end of the program.
     static_cast<void>(std::signal(SIGXFSZ, SIG_IGN));
     auto directory = StateDirectory::open(*config.state);
-    if (auto* reason = std::get_if<std::string>(&directory)) return *std::move(reason);
+    if (auto* reason = std::get_if<std::string>(&directory)) return std::move(*reason);
     return std::optional(std::get<StateDirectory>(std::move(directory)));
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <concepts>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -214,13 +215,13 @@ Reason decode(const json& from, std::array<T, Size>& to) {
 template <HasFields T>
 Reason decode(const json& from, T& to) {
     if (!from.is_object()) return "must be an object";
-    for (const auto& [name, value] : from.items()) {
+    for (auto member = from.begin(); member != from.end(); ++member) {
         Reason reason = "is not known";
         const auto take = [&](auto field) {
-            if (name == field.name) reason = decode(value, field.value);
+            if (member.key() == field.name) reason = decode(member.value(), field.value);
         };
         std::apply([&](auto... field) { (take(field), ...); }, fields(to));
-        if (!reason.empty()) return fmt::format("'{}' {}", name, reason);
+        if (!reason.empty()) return fmt::format("'{}' {}", member.key(), reason);
     }
     return {};
 }

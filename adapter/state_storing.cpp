@@ -8,7 +8,8 @@ namespace servobus::adapter {
 
 void StateStoring::keep(Adapter& adapter) {
     const auto serial_number = adapter.device().identity().serial_number;
-    auto& drive = *drives_.emplace_back(new Drive{&adapter, StateFile(files_, directory_.file_of(serial_number)), {}});
+    auto& drive = *drives_.emplace_back(
+        std::make_unique<Drive>(Drive{&adapter, StateFile(files_, directory_.file_of(serial_number)), {}}));
     load(drive);
     adapter.store_with([this, &drive](const StoredState& state) { begin(drive, state); });
 }

@@ -156,7 +156,9 @@ Failure absence(const Settings& settings, const ResetDevice& before, const Host&
     const auto seconds = static_cast<double>(arguments.patience.count()) / 1000;
     auto text = fmt::format("{} did not answer at {} within {} s", printable(before.identity.product_name),
                             to_string(where), seconds);
-    const auto elsewhere = settings.route.segments.empty() ? found_elsewhere(before.identity) : std::string();
+    const bool is_here = where.name == "localhost" || where.name.starts_with("127.");
+    const auto elsewhere =
+        settings.route.segments.empty() && !is_here ? found_elsewhere(before.identity) : std::string();
     if (!elsewhere.empty()) {
         text += fmt::format("; it is at {} now", elsewhere);
     } else if (arguments.kind == ResetKind::factory) {
