@@ -627,6 +627,7 @@ std::optional<enip::Time> Adapter::deadline_of(const Connection& connection) con
 void Adapter::on_timer(enip::Time now) {
     advance(now);
     change_address(now);
+    rivalry_.on_timer(now);
     reset(now);
     take_late_io(now);
     produce(now);
@@ -663,6 +664,7 @@ std::optional<enip::Time> Adapter::next_deadline() const {
     take_earlier(next, to_server(playback_.next()));
     if (reset_) take_earlier(next, reset_->due);
     take_earlier(next, address_due_);
+    take_earlier(next, rivalry_.next_deadline());
     for (const auto& reply : delayed_) take_earlier(next, std::optional(reply.due));
     for (const auto& [id, connection] : connections_) {
         take_earlier(next, deadline_of(*connection));
@@ -805,7 +807,32 @@ void Adapter::apply_address(AddressChange change) {
     if (change_address_) {
         change_address_(change);
     } else {
+        if (change == AddressChange::restart) rivalry_.restart();
         apply_address_settings(network_);
+    }
+}
+
+// With an address of its own the drive hears of rivals from the network.
+void Adapter::suffer(const fault::ClaimAddress& claim, enip::Time now) {
+    if (network_.state.address_service != AddressService::none) {
+        log_(LogLevel::warning, "the address is a real one: nobody can claim it by an event");
+        return;
+    }
+    MacAddress rival{};
+    for (std::size_t i = 0; i < rival.size(); ++i) rival[i] = static_cast<std::uint8_t>(claim.mac >> (40 - 8 * i));
+    const auto address = enip::address_text(network_.state.interface.address);
+    switch (rivalry_.claim(rival, now)) {
+        case AddressRivalry::Outcome::unnoticed:
+            log_(LogLevel::info, "the claim is not noticed: conflict detection is off, or there is no address");
+            break;
+        case AddressRivalry::Outcome::defended:
+            log_(LogLevel::warning, fmt::format("{} is claimed by {} too; it is defended", address, to_string(rival)));
+            break;
+        case AddressRivalry::Outcome::lost:
+            log_(LogLevel::error,
+                 fmt::format("{} belongs to {}: all connections are closed", address, to_string(rival)));
+            give_address_up();
+            break;
     }
 }
 
@@ -867,6 +894,8 @@ bool Adapter::begin(const NetworkFault& fault, enip::Time now) {
     }
     if (std::holds_alternative<fault::Restart>(fault)) {
         restart();
+    } else if (const auto* claim = std::get_if<fault::ClaimAddress>(&fault)) {
+        suffer(*claim, now);
     } else if (const auto* close = std::get_if<fault::CloseSessions>(&fault)) {
         for (auto& [id, connection] : connections_) {
             const auto handle = sessions_.handle_of(id);

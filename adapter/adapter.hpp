@@ -22,6 +22,7 @@
 
 #include "adapter/access_gate.hpp"
 #include "adapter/access_log.hpp"
+#include "adapter/address_rivalry.hpp"
 #include "adapter/allow_list.hpp"
 #include "adapter/connection_manager.hpp"
 #include "adapter/device_files.hpp"
@@ -215,6 +216,7 @@ private:
     void change_address(enip::Time now);
     bool apply(const Happening& event, enip::Time now);
     bool begin(const NetworkFault& fault, enip::Time now);
+    void suffer(const fault::ClaimAddress& claim, enip::Time now);
     void note_lights();
     [[nodiscard]] bool is_stranger(enip::Endpoint peer, std::uint64_t& count, std::string_view way, enip::Time now);
     [[nodiscard]] bool io_is_due_by(enip::Time time) const;
@@ -272,6 +274,7 @@ private:
     std::optional<StateKeeper::Generation> wants_address_{};  ///< the reply of the Set waits for it
     std::optional<enip::Time> address_due_{};
     std::function<void(AddressChange)> change_address_;
+    AddressRivalry rivalry_{network_};
     std::function<std::uint16_t()> measure_cpu_;
     Playback playback_;
 };

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "adapter/wire_checks.hpp"
@@ -24,9 +25,19 @@ enum Attribute : std::uint16_t {
     interface_state = 8,
     admin_state = 9,
     label = 10,
+    capability = 11,
 };
 
+// Without the capability: it came with revision 4, and who reads all attributes expects the label to be the last.
 constexpr std::array<std::uint16_t, 10> all{1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+
+// What attribute 6 takes (R-ETH-6), as attribute 11 tells it (R-ETH-10).
+constexpr std::uint32_t negotiates_and_takes_manual_settings = 1U << 1 | 1U << 3;
+struct Mode {
+    std::uint16_t speed;
+    std::uint8_t full_duplex;
+};
+constexpr std::array<Mode, 4> modes{{{10, 0}, {10, 1}, {100, 0}, {100, 1}}};
 
 constexpr std::uint32_t module_speed = 100;
 // Flags (R-ETH-2).
@@ -87,10 +98,10 @@ enip::InterfaceFacts EthernetLinkObject::facts_of(std::uint32_t instance) const 
 cip::ClassInfo EthernetLinkObject::info() const {
     const auto ports = static_cast<std::uint16_t>(settings_.links.size());
     return {.class_id = class_id,
-            .revision = 3,
+            .revision = 4,
             .max_instance = ports,
             .instances = ports,
-            .max_instance_attribute = label};
+            .max_instance_attribute = capability};
 }
 
 bool EthernetLinkObject::has_instance(std::uint32_t instance) const {
@@ -104,7 +115,7 @@ bool EthernetLinkObject::offers(std::uint8_t service) const {
 
 std::optional<cip::AttributeAccess> EthernetLinkObject::attribute(std::uint32_t, std::uint32_t id) const {
     // The admin state is not in the manual; it stands in Get_Attributes_All alone (R-ETH-7).
-    if (id < all.front() || id > all.back() || id == admin_state) return std::nullopt;
+    if (id < speed || id > capability || id == admin_state) return std::nullopt;
     return cip::AttributeAccess{true, id == interface_control};
 }
 
@@ -142,6 +153,14 @@ cip::Status EthernetLinkObject::get(std::uint32_t instance, std::uint32_t id, ci
         case label:
             cip::write_short_string(value, fmt::format("PORT {}", instance));
             break;
+        case capability:
+            value.u32(negotiates_and_takes_manual_settings);
+            value.u8(static_cast<std::uint8_t>(modes.size()));
+            for (const auto& mode : modes) {
+                value.u16(mode.speed);
+                value.u8(mode.full_duplex);
+            }
+            break;
         default:
             return cip::GeneralStatus::attribute_not_supported;
     }
@@ -158,7 +177,7 @@ cip::Status EthernetLinkObject::set(std::uint32_t instance, std::uint32_t, cip::
     if ((wanted.bits & ~(autonegotiate | full_duplex)) != 0) return cip::GeneralStatus::invalid_attribute_value;
     if ((wanted.bits & autonegotiate) != 0) {
         if (wanted.bits != autonegotiate || wanted.forced_speed != 0) return cip::GeneralStatus::object_state_conflict;
-    } else if (wanted.forced_speed != 10 && wanted.forced_speed != 100) {
+    } else if (std::ranges::find(modes, wanted.forced_speed, &Mode::speed) == modes.end()) {
         return cip::GeneralStatus::invalid_attribute_value;
     }
     settings_.links[instance - 1] = wanted;

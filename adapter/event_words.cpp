@@ -45,6 +45,7 @@ constexpr auto kinds = std::to_array<EventKind>({
     {"close-sessions", NetworkFault(fault::CloseSessions{})},
     {"freeze", NetworkFault(fault::Freeze{})},
     {"restart", NetworkFault(fault::Restart{})},
+    {"claim-address", NetworkFault(fault::ClaimAddress{})},
     {"restore-network", NetworkFault(fault::RestoreNetwork{}), bare},
 });
 

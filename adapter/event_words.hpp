@@ -44,6 +44,7 @@ inline constexpr int max_event_input = 12;
 inline constexpr double max_fault_seconds = 86'400;
 inline constexpr double max_fault_milliseconds = 60'000;
 inline constexpr std::int64_t max_fault_count = 1'000'000;
+inline constexpr std::int64_t max_fault_mac = 0xFFFF'FFFF'FFFF;
 
 inline constexpr std::array<std::pair<std::string_view, drive::event::Direction>, 2> event_directions{{
     {"negative", drive::event::Direction::negative},
@@ -136,6 +137,8 @@ void visit_fields(NetworkFault& event, Visitor& visitor) {
                 visitor.whole("count", e.count, 1, max_fault_count, Need::optional);
             } else if constexpr (std::is_same_v<E, fault::CloseSessions>) {
                 visitor.code("session", e.session, 0, 0xFFFFFFFF, Need::optional);
+            } else if constexpr (std::is_same_v<E, fault::ClaimAddress>) {
+                visitor.code("mac", e.mac, 1, max_fault_mac, Need::optional);
             }
         },
         event);

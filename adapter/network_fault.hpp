@@ -53,15 +53,20 @@ struct Freeze {
 struct Restart {
     double seconds = 1;
 };
-/// All of the above is over.
+/// Another node says that it has the drive's address. Twice within ten seconds, and the drive gives it up for as long.
+struct ClaimAddress {
+    std::uint64_t mac = 0x02'00'00'00'00'01;  ///< of the other node
+};
+/// All of the above is over, but for a claim.
 struct RestoreNetwork {};
 
 }  // namespace servobus::adapter::fault
 
 namespace servobus::adapter {
 
-using NetworkFault = std::variant<fault::DisturbIo, fault::DisturbReplies, fault::CutCable, fault::RefuseOpen,
-                                  fault::CloseSessions, fault::Freeze, fault::Restart, fault::RestoreNetwork>;
+using NetworkFault =
+    std::variant<fault::DisturbIo, fault::DisturbReplies, fault::CutCable, fault::RefuseOpen, fault::CloseSessions,
+                 fault::Freeze, fault::Restart, fault::ClaimAddress, fault::RestoreNetwork>;
 
 /// What happens to a drive: to its machine, or to its network.
 using Happening = std::variant<drive::Event, NetworkFault>;

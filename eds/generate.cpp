@@ -81,7 +81,7 @@ constexpr std::array class_sections{
     ClassSection{"DLR Class", "Device Level Ring Object", 0x47, 3, 1, 1},
     ClassSection{"QoS Class", "Quality of Service Object", 0x48, 1, 1, 1},
     ClassSection{"TCP/IP Interface Class", "TCP/IP Interface Object", 0xF5, 4, 1, 1},
-    ClassSection{"Ethernet Link Class", "Ethernet Link Object", 0xF6, 3, 2, 2},
+    ClassSection{"Ethernet Link Class", "Ethernet Link Object", 0xF6, 4, 2, 2},
 };
 
 // An instance of the Assembly object that has no octets: it is only a name in a path (R-DEV-7).

@@ -246,7 +246,7 @@ def check_network(sheet):
     check(direction == "TxRx" and number(size) == 54 and number(packets) > 0 and number(capacity["MaxIOConnections"][0]) == 9,
           "the capacity is that of an owner and eight who look on")
     classes = {"Identity Class": (1, 1, 1), "File Class": (0x37, 3, 201), "DLR Class": (0x47, 3, 1),
-               "QoS Class": (0x48, 1, 1), "TCP/IP Interface Class": (0xF5, 4, 1), "Ethernet Link Class": (0xF6, 3, 2)}
+               "QoS Class": (0x48, 1, 1), "TCP/IP Interface Class": (0xF5, 4, 1), "Ethernet Link Class": (0xF6, 4, 2)}
     for name, expected in classes.items():
         found = tuple(number(sheet[name][key][0]) for key in ("Object_Class_Code", "Revision", "MaxInst"))
         check(found == expected, f"[{name}] is {expected}, and says {found}")
