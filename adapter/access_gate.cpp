@@ -39,7 +39,7 @@ void AccessGate::ended(const cip::Access& access, const cip::Response& response)
     using Kind = AccessLog::Kind;
     const bool about_connections = (effect == Effect::opens || effect == Effect::closes) && why.empty();
     const auto kind = about_connections ? Kind::connection : response.status.ok() ? Kind::change : Kind::refusal;
-    log_.note(kind, access.origin.now, [&] {
+    log_.note(kind, questions_.true_time(access.origin.now), [&] {
         return access_line(access, response.status, questions_.handle(access.origin.session), device_, why);
     });
 }

@@ -18,6 +18,7 @@ public:
     struct Questions {
         std::function<const assemblies::Layout*()> owned;            ///< the outputs of the owner; nullptr: no owner
         std::function<std::uint32_t(std::uint64_t session)> handle;  ///< of a transport connection; 0: none
+        std::function<cip::Time(cip::Time bus)> true_time;  ///< which goes on when that of the bus stands still
     };
 
     /// `device` and `log` outlive this.

@@ -1,5 +1,5 @@
-// What the log tells of those who change something, are refused, or are not to be here at all: each a line, and a flood of
-// them a few lines and a count.
+// What the log tells of those who change something, are refused, or are not to be here at all: each a line, and a flood
+// of them a few lines and a count.
 #pragma once
 
 #include <array>
@@ -28,7 +28,8 @@ public:
 
     void listen(LineSink sink) { sink_ = std::move(sink); }
 
-    /// `make` is called, and the line written, when somebody wants it and the limit is not reached. `now` never goes back.
+    /// `make` is called, and the line written, when somebody wants it and the limit is not reached. `now` never goes
+    /// back.
     template <class MakeLine>
     void note(Kind kind, cip::Time now, MakeLine make) {
         if (!sink_.wants(level_of(kind)) || !has_room(kind, now)) return;

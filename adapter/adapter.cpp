@@ -121,7 +121,8 @@ Adapter::Adapter(drive::Device& device, Limits limits, std::uint64_t seed, LogSi
                  const auto* owner = io().owner();
                  return owner != nullptr ? owner->kind->outputs() : nullptr;
              },
-             .handle = [this](std::uint64_t session) { return sessions_.handle_of(session); }}),
+             .handle = [this](std::uint64_t session) { return sessions_.handle_of(session); },
+             .true_time = [this](enip::Time bus) { return faults_.true_time(bus); }}),
       router_(node_identity(device.identity())),
       faults_(seed),
       keeper_(StoredState{}),

@@ -82,7 +82,8 @@ Setter product_name(std::optional<std::string>& target) {
 
 Setter allow_setter(AllowList& target) {
     return [&target](const json& value) -> Reason {
-        if (!value.is_array()) return "must be a list of networks such as \"192.168.2.0/24\"";
+        // An empty one could be meant for everybody as well as for nobody.
+        if (!value.is_array() || value.empty()) return "must be a list of networks such as \"192.168.2.0/24\"";
         if (value.size() > max_allowed_networks) return fmt::format("has at most {} networks", max_allowed_networks);
         AllowList list;
         for (const auto& entry : value) {

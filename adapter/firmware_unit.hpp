@@ -1,9 +1,9 @@
-// The firmware of the bus module: what its flash holds, what runs, and how a new one comes in (000 §1.1, §1.3). No clock and
-// no file; the bus knows nothing of it.
+// The firmware of the bus module: what its flash holds, what runs, and how a new one comes in (000 §1.1, §1.3). No clock
+// and no file; the bus knows nothing of it.
 //
-// A download writes in place, first the bit stream, then the firmware, while the old firmware goes on from memory. What it has
-// written runs after the next power-on. A power cut in between leaves a part that is not whole, and the module comes up in
-// factory mode, in which it does nothing but wait for a download.
+// A download writes in place, first the bit stream, then the firmware, while the old firmware goes on from memory. What
+// it has written runs after the next power-on. A power cut in between leaves a part that is not whole, and the module
+// comes up in factory mode, in which it does nothing but wait for a download.
 #pragma once
 
 #include <cstddef>
@@ -44,8 +44,8 @@ public:
     /// With this release in its flash, and running.
     FirmwareUnit(std::uint16_t product_code, const Release& release);
 
-    /// Begins to write an image. Why not, a clause, when one is being written already or this one is for other drives; then
-    /// nothing has changed.
+    /// Begins to write an image. Why not, a clause, when one is being written already or this one is for other drives;
+    /// then nothing has changed.
     [[nodiscard]] std::optional<std::string> download(const FlashImage& image, enip::Time now);
     /// An image as if it had been there at the last power-on; what runs is what it holds. Why not, as above.
     [[nodiscard]] std::optional<std::string> install(const FlashImage& image);

@@ -1,5 +1,5 @@
-// A firmware file of the bus module (000 §1.1, §1.2: Xenax_EtherNetIP_protocol_Vx.xx.flash). The maker's format is not public;
-// this is one of our own, in which an image holds what the lights speak of: a bit stream and a firmware.
+// A firmware file of the bus module (000 §1.1, §1.2: Xenax_EtherNetIP_protocol_Vx.xx.flash). The maker's format is not
+// public; this is one of our own, in which an image holds what the lights speak of: a bit stream and a firmware.
 //
 //     offset  octets
 //     0       8   53 56 42 46 4C 41 53 48, "SVBFLASH"

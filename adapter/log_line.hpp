@@ -19,8 +19,8 @@ struct LogLine {
     std::vector<std::pair<std::string, std::string>> values{};
 };
 
-/// Event and `key=value`. A value that is not all letters, digits and `.:/_,+-` stands in double quotes; a backslash is in
-/// front of a quote, of another backslash, and of `xNN` for what cannot be printed.
+/// Event and `key=value`. A value that is not all letters, digits and `.:/_,+-` stands in double quotes; a backslash is
+/// in front of a quote, of another backslash, and of `xNN` for what cannot be printed.
 [[nodiscard]] std::string to_text(const LogLine& line);
 
 /// Who wants lines: nothing below `lowest` is written for them. An empty `take`: nobody listens.

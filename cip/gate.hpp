@@ -11,8 +11,8 @@
 
 namespace servobus::cip {
 
-/// A request as the router sees it. A Set_Attribute_List is an access of its own, and so is each of its entries; the same
-/// goes for a Multiple_Service_Packet or an Unconnected_Send and what is in it. Valid during the call alone.
+/// A request as the router sees it. A Set_Attribute_List is an access of its own, and so is each of its entries; the
+/// same goes for a Multiple_Service_Packet or an Unconnected_Send and what is in it. Valid during the call alone.
 struct Access {
     const RequestView& request;
     const Origin& origin;
@@ -26,8 +26,8 @@ class Gate {
 public:
     virtual ~Gate() = default;
 
-    /// Success: it is carried out. Any other status is its answer. Asked for what an object offers, and for nothing that the
-    /// router refuses by itself.
+    /// Success: it is carried out. Any other status is its answer. Asked for what an object offers, and for nothing that
+    /// the router refuses by itself.
     [[nodiscard]] virtual Status admit(const Access& access) = 0;
     /// How an access ended, also one that was not admitted or never came as far.
     virtual void ended(const Access& access, const Response& response) = 0;

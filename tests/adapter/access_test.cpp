@@ -543,6 +543,24 @@ TEST(AccessLines, AFloodIsAFewLinesAndACount) {
     EXPECT_EQ(lines.all.back().event, "access refused") << "a new second";
 }
 
+// The limit counts true seconds, also when the time of the bus has stood still and is behind for ever.
+TEST(AccessLines, AFloodAfterAFreezeIsOneToo) {
+    Site site;
+    ASSERT_TRUE(site.adapter.inject(adapter::NetworkFault(adapter::fault::Freeze{10}), site.now));
+    site.advance(10s);
+    Lines lines;
+    site.adapter.on_access(lines.sink());
+    auto peer = registered(site);
+    for (int i = 0; i < 90; ++i) {
+        peer.call("10 03 20 64 24 01 30 00 00 00 00 00");
+        site.adapter.on_timer(site.now);
+        site.now += 10ms;
+    }
+    EXPECT_THAT(lines.all, SizeIs(adapter::access_lines_per_second));
+    site.advance(200ms);
+    EXPECT_EQ(to_text(lines.all.back()), "access lines left out kind=refusal lines=70");
+}
+
 TEST(AccessLines, WhatIsLeftIsToldAtTheEnd) {
     Site site;
     Lines lines;

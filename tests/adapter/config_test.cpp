@@ -226,6 +226,8 @@ INSTANTIATE_TEST_SUITE_P(
               "1:17: 'allow' must be a list of networks such as \"192.168.2.0/24\""},
         Wrong{"{\"protection\": {\"allow\": [\"10.0.0.1/8\"]}}",
               "1:17: 'allow' is not sound: '10.0.0.1/8' has host bits; the network is 10.0.0.0/8"},
+        Wrong{"{\"protection\": {\"allow\": []}}",
+              "1:17: 'allow' must be a list of networks such as \"192.168.2.0/24\""},
         Wrong{"{\"protection\": {\"allow\": [5]}}", "1:17: 'allow' is not sound: '5' is no IPv4 network; ..."},
         Wrong{"{\"protection\": {\"readonly\": true}}", "1:17: 'readonly' is not a setting; ..."}));
 
