@@ -5,6 +5,7 @@
 #include "adapter/dhcp_message.hpp"
 #include "adapter/ethernet_frame.hpp"
 #include "adapter/udp_frame.hpp"
+#include "tests/support/adapter_harness.hpp"
 #include "tests/support/octets.hpp"
 
 namespace servobus::adapter {
@@ -427,6 +428,77 @@ TEST_F(ManagedAddress, DamagedFramesAreIgnoredAndCounted) {  // R-DHC
         hear_octets(cip::Bytes(damaged.begin(), damaged.begin() + static_cast<std::ptrdiff_t>(size)));
     }
     EXPECT_EQ(manager_.ignored_replies().malformed, damaged.size() - 14);
+}
+
+// The whole device: what is set by the wire, and when.
+class ManagedDevice : public testing::Test {
+protected:
+    ManagedDevice() {
+        auto& network = t_.adapter().network();
+        network.state.address_service = AddressService::dhcp_and_bootp;
+        network.settings.method = AddressMethod::stored;
+        network.settings.configured = {.address = 0xC0A80264, .mask = 0xFFFFFF00};
+        manager_.on_loss([this] { t_.adapter().give_address_up(); });
+        t_.adapter().on_address_change([this](AddressChange change) {
+            change == AddressChange::set ? manager_.change_address() : manager_.restart();
+        });
+        manager_.restart();
+        run(5s);
+        t_.register_session();
+    }
+
+    void run(std::chrono::milliseconds duration) {
+        for (auto left = duration; left > 0ms; left -= 10ms) {
+            t_.advance(std::min(left, std::chrono::milliseconds(10)));
+            if (const auto next = manager_.next_deadline(); next && *next <= t_.now()) manager_.on_timer(t_.now());
+            frames_ += manager_.take_frames().size();
+        }
+    }
+
+    test::AdapterHarness t_;
+    AddressManager manager_{t_.adapter().network(), 1};
+    std::size_t frames_ = 0;
+};
+
+TEST_F(ManagedDevice, ASetIsAnsweredBeforeAnythingChanges) {  // R-TCP-6, golden set_f5_ifconfig
+    EXPECT_EQ(t_.call("0E 03 20 F5 24 01 30 02"), "8E 00 00 00 95 00 00 00");
+    EXPECT_EQ(t_.call("10 03 20 F5 24 01 30 05 F9 02 A8 C0 00 FF FF FF 01 02 A8 C0 00 00 00 00 00 00 00 00 00 00"),
+              "90 00 00 00");
+    EXPECT_EQ(t_.call("0E 03 20 F5 24 01 30 01"), "8E 00 00 00 21 00 00 00") << "pending";
+    EXPECT_EQ(manager_.address()->address, 0xC0A80264);
+    run(90ms);
+    EXPECT_TRUE(t_.connected());
+    run(20ms);
+    EXPECT_FALSE(t_.connected());
+    EXPECT_EQ(manager_.address(), std::nullopt);
+    run(1s);
+    EXPECT_EQ(manager_.address(), (enip::InterfaceAddress{0xC0A802F9, 24, 0xC0A80201}));
+    t_.connect();
+    t_.register_session();
+    EXPECT_EQ(t_.call("0E 03 20 F5 24 01 30 01"), "8E 00 00 00 01 00 00 00");
+    EXPECT_EQ(t_.call("0E 03 20 F5 24 01 30 05"),
+              "8E 00 00 00 F9 02 A8 C0 00 FF FF FF 01 02 A8 C0 00 00 00 00 00 00 00 00 00 00");
+}
+
+TEST_F(ManagedDevice, AResetLooksForTheAddressAnew) {  // R-ID-8, R-TCP-9
+    EXPECT_EQ(t_.call("10 03 20 F5 24 01 30 0A 00"), "90 00 00 00");
+    const auto before = frames_;
+    EXPECT_EQ(t_.call("05 02 20 01 24 01"), "85 00 00 00");
+    run(110ms);
+    EXPECT_FALSE(t_.connected());
+    EXPECT_EQ(manager_.address()->address, 0xC0A80264) << "without detection it is in use at once";
+    EXPECT_EQ(frames_, before);
+}
+
+TEST_F(ManagedDevice, ALostAddressEndsAllConnections) {  // R-ACD-4, R-TCP-2
+    const auto arp = ArpPacket{ArpPacket::Operation::reply, rival, 0xC0A80264, {}, 0}.encode();
+    const auto claim = EthernetFrame{broadcast_mac, rival, {}, EtherType::arp, arp}.encode();
+    manager_.on_frame(0, {.octets = claim}, t_.now());
+    EXPECT_EQ(t_.call("0E 03 20 F5 24 01 30 01"), "8E 00 00 00 41 00 00 00");
+    manager_.on_frame(0, {.octets = claim}, t_.now());
+    run(10ms);
+    EXPECT_FALSE(t_.connected());
+    EXPECT_EQ(t_.adapter().sessions(), 0U);
 }
 
 }  // namespace

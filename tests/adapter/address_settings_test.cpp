@@ -147,7 +147,7 @@ TEST_F(TcpIpAddress, R_TCP_3_BootpIsThereWhenSomebodySpeaksIt) {
 TEST_F(TcpIpAddress, R_TCP_4_ToALeaseIsAnotherAddress) {
     EXPECT_EQ(device_.call(to_stored), done);
     unsigned changes = 0;
-    device_.adapter().on_address_change([&] { ++changes; });
+    device_.adapter().on_address_change([&](adapter::AddressChange) { ++changes; });
     EXPECT_EQ(device_.call(to_dhcp), done);
     EXPECT_EQ(get(get_status), hex("21000000"));
     EXPECT_EQ(get(get_interface), hex(first)) << "nobody knows the next one yet";
@@ -159,7 +159,7 @@ TEST_F(TcpIpAddress, R_TCP_4_ToALeaseIsAnotherAddress) {
 
 TEST_F(TcpIpAddress, IsTheAffairOfWhoeverManagesIt) {
     auto& network = device_.adapter().network();
-    device_.adapter().on_address_change([&] {
+    device_.adapter().on_address_change([&](adapter::AddressChange) {
         EXPECT_FALSE(device_.connected()) << "the connections have ended before";
         network.state.interface = network.settings.configured;
         network.state.interface.domain = "managed";

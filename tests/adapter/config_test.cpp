@@ -1,6 +1,7 @@
 // The configuration file: what is taken, and what is refused with line and column.
 #include "adapter/config.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -84,6 +85,42 @@ TEST(Config, TakesEverySetting) {
     EXPECT_EQ(result.limits.listening_connections, 3U);
     EXPECT_EQ(result.limits.inactivity, std::chrono::seconds(3600));
     EXPECT_EQ(result.values.size(), 3U);
+}
+
+TEST(Config, ADriveMayHaveAnInterfaceForItself) {
+    const auto result = config(R"({"manage_interface": "eth1", "network": {"address": "192.168.2.100/24",
+                                   "gateway": "192.168.2.1", "acd": false}})");
+    EXPECT_EQ(result.manage_interface, "eth1");
+    EXPECT_EQ(result.network.method, AddressMethod::stored);
+    EXPECT_EQ(result.network.configured,
+              (InterfaceConfiguration{.address = 0xC0A80264, .mask = 0xFFFFFF00, .gateway = 0xC0A80201}));
+    EXPECT_FALSE(result.network.select_acd);
+    EXPECT_EQ(make_network({}, result.network).settings.configured.address, 0xC0A80264);
+    EXPECT_EQ(config("{}").network.method, AddressMethod::dhcp);
+    EXPECT_EQ(config(R"({"network": {"method": "bootp"}})").network.method, AddressMethod::bootp);
+    // An address may wait for the day when DHCP is disabled.
+    const auto both = config(R"({"network": {"method": "dhcp", "address": "10.0.0.5/8"}})");
+    EXPECT_EQ(both.network.method, AddressMethod::dhcp);
+    EXPECT_EQ(both.network.configured.mask, 0xFF000000);
+}
+
+TEST(Config, AddressesThatNoHostCanHaveAreRefused) {
+    const auto with = [](const std::string& address) {
+        return problem(R"({"network": {"address": ")" + address + "\"}}");
+    };
+    for (const auto* text : {"192.168.2.100", "192.168.2/24", "192.168.2.100/33", "192.168.2.100/0", "192.168.2.100/x",
+                             "192.168.2.100/24x", ""}) {
+        EXPECT_THAT(with(text), testing::HasSubstr("must be an address in its subnet")) << text;
+    }
+    for (const auto* text :
+         {"192.168.2.0/24", "192.168.2.255/24", "127.0.0.1/8", "224.0.0.1/24", "0.0.0.1/8", "192.168.2.100/32"}) {
+        EXPECT_THAT(with(text), testing::HasSubstr("is none that a host can have")) << text;
+    }
+    EXPECT_THAT(problem(R"({"network": {"address": "192.168.2.100/24", "gateway": "10.0.0.1"}})"),
+                testing::HasSubstr("another subnet"));
+    EXPECT_THAT(problem(R"({"network": {"gateway": "10.0.0.1"}})"), testing::HasSubstr("needs an address beside it"));
+    EXPECT_THAT(problem(R"({"network": {"method": "static"}})"),
+                testing::HasSubstr(R"(must be one of "stored", "bootp", "dhcp")"));
 }
 
 TEST(Config, TheDeviceIsAsConfigured) {

@@ -55,7 +55,7 @@ TEST_F(ControlLines, WhatIsWrongIsSaidAndNothingHappens) {
     EXPECT_EQ(answer("[]"), R"({"ok":false,"error":"column 1: the line must hold one object in braces"})");
     EXPECT_EQ(answer(R"({"query": "stat"})"),
               R"({"ok":false,"error":"column 2: 'query' must be one of \"state\", \"axis\", )"
-              R"(\"connections\", \"counters\", \"lights\", \"firmware\""})");
+              R"(\"connections\", \"counters\", \"lights\", \"firmware\", \"network\""})");
     EXPECT_THAT(answer(R"({"query": "state", "event": "block-axis"})"), HasSubstr("'event' is not a setting"));
     EXPECT_THAT(fake_machine().events, IsEmpty());
 }
@@ -181,6 +181,32 @@ TEST_F(ControlLines, TellTheCounters) {
     // The handle that is told is the one that is closed.
     EXPECT_EQ(answer(fmt::format(R"({{"event": "close-sessions", "session": {}}})", peer.session())), R"({"ok":true})");
     EXPECT_FALSE(peer.open());
+}
+
+TEST_F(ControlLines, TellTheNetwork) {
+    auto& network = site.adapter.network();
+    network.settings.method = adapter::AddressMethod::bootp;
+    network.state.interface = {.address = 0xC0A80264, .mask = 0xFFFFFF00, .gateway = 0xC0A80201};
+    network.state.address.conflict = true;
+    network.state.ring = {1, 1, 0xC0A80201, {2, 0, 0, 0, 0, 1}};
+    network.settings.last_conflict[0] = 2;
+    network.settings.last_conflict[6] = 7;
+    const auto told = json::parse(answer(R"({"query": "network"})"));
+    EXPECT_EQ(told["method"], "bootp");
+    EXPECT_EQ(told["address"], "192.168.2.100");
+    EXPECT_EQ(told["prefix"], 24);
+    EXPECT_EQ(told["gateway"], "192.168.2.1");
+    EXPECT_EQ(told["configured"], true);
+    EXPECT_EQ(told["conflict"], true);
+    EXPECT_EQ(told["without_address"], false);
+    EXPECT_EQ(told["last_conflict"]["activity"], "ongoing detection");
+    EXPECT_EQ(told["last_conflict"]["mac"], "00:00:00:00:00:07");
+    EXPECT_EQ(told["ring"]["status"], 1);
+    EXPECT_EQ(told["ring"]["supervisor_mac"], "02:00:00:00:00:01");
+    network.state.interface = {};
+    network.settings.last_conflict = {};
+    const auto without = json::parse(answer(R"({"query": "network"})"));
+    EXPECT_TRUE(without["address"].is_null() && without["last_conflict"].is_null());
 }
 
 TEST_F(ControlLines, NameADrive) {
