@@ -102,7 +102,8 @@ Mistake not_there(std::string_view name, const IoOutputs& outputs) {
 /// Case, blanks and punctuation do not count, save what tells two of one name apart.
 std::string plain(std::string_view name) {
     std::string word;
-    for (const unsigned char c : name) {
+    for (const char each : name) {
+        const auto c = static_cast<unsigned char>(each);
         if (std::isalnum(c) != 0 || c >= 0x80 || c == '#') word += static_cast<char>(std::tolower(c));
     }
     return word;

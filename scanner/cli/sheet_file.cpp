@@ -18,7 +18,8 @@ using Parameters = std::vector<const eds::Parameter*>;
 
 std::string plain(std::string_view name) {
     std::string word;
-    for (const unsigned char c : name) {
+    for (const char each : name) {
+        const auto c = static_cast<unsigned char>(each);
         if (std::isalnum(c) != 0 || c >= 0x80) word += static_cast<char>(std::tolower(c));
     }
     return word;

@@ -45,7 +45,7 @@ struct SheetAssignment {
 cip::Path path_to(const eds::Parameter& parameter) { return read_request(parameter)->path; }
 
 Parsed<const eds::Parameter*> addressed(const eds::DataSheet& sheet, std::string_view word) {
-    const auto found = find_parameter(sheet, word);
+    auto found = find_parameter(sheet, word);
     if (!found || read_request(**found)) return found;
     return Mistake{
         fmt::format("{} has no address in the file: it is a part of connections alone", display_name(sheet, **found))};

@@ -15,9 +15,7 @@ namespace {
 using test::hex;
 using testing::HasSubstr;
 
-IoOutputs outputs_of(std::uint32_t instance) {
-    return IoOutputs::of(assemblies::find_layout(instance));
-}
+IoOutputs outputs_of(std::uint32_t instance) { return IoOutputs::of(assemblies::find_layout(instance)); }
 
 std::string change(const std::string& text, const IoOutputs& outputs) {
     const auto parsed = parse_change(text, outputs);
