@@ -68,7 +68,8 @@ def dhcp_lease(lan):
     server = lan.host("server", "10.77.0.1/24")
     host, ear = drive_host(lan)
     scanner = lan.host("scanner", "10.77.0.9/24")
-    drive = Drive(host, *REALTIME)
+    options = (*REALTIME, "--state", lan.directory / "state")
+    drive = Drive(host, *options)
     check(drive.ready["drives"][0]["address"] is None, "the ready line has an address already")
     check(drive.ready["drives"][0]["interface"] == "eth0", "the ready line does not name the interface")
     check(drive.network()["last_conflict"] is None and not drive.network()["configured"], drive.network())
@@ -106,12 +107,15 @@ def dhcp_lease(lan):
     wait_for("the address given up", lambda: drive.address() is None, 3)
     before = len(ear.dhcp())
     check(address_of(drive) == address, "another address after the restart")
-    with_state = Session(scanner, address)
-    check(with_state.get(TCP_IP, 3) == STORED, "DHCP is enabled again")
-    check(len(ear.dhcp()) == before, "it has asked a server although DHCP is disabled")
+    check(Session(scanner, address).get(TCP_IP, 3) == STORED, "DHCP is enabled again")
     check(host.addresses() == [f"{address}/24"], f"the interface has {host.addresses()}")
     host.stop(drive.process)
     check(host.addresses() == [] and host.ip("route").strip() == "", "the drive has left its address behind")
+
+    drive = Drive(host, *options)  # power off and on
+    check(address_of(drive) == address, "another address after power off and on")
+    check(Session(scanner, address).get(TCP_IP, 3) == STORED, "DHCP is enabled again")
+    check(len(ear.dhcp()) == before, "it has asked a server although DHCP is disabled")
     return f"probes {', '.join(f'{gap * 1000:.0f}' for gap in measured)} ms apart"
 
 
