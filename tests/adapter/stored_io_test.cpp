@@ -74,8 +74,9 @@ TEST_F(StoredIo, WritesNothingThatIsKept) {
 TEST_F(StoredIo, LeavesWhatWasWrittenBefore) {
     EXPECT_EQ(peer_.call("10 03 20 66 24 01 30 41 88 13 00 00"), "") << "speed 5000";
     site_.adapter.on_stored(true, site_.now);
-    const auto link = peer_.must_open(io_open(1));
-    peer_.send(o_to_t(link, 1, 1, run, outputs_with_speed(1000)));
+    IoPeer owner(site_, 0xC0A80202);
+    const auto link = owner.must_open(io_open(1));
+    owner.send(o_to_t(link, 1, 1, run, outputs_with_speed(1000)));
     EXPECT_EQ(site_.value("SpeedJogOrProfilePositionMode"), 1000);
     site_.adapter.inject(drive::event::PowerCycle{}, site_.now);
     EXPECT_EQ(site_.value("SpeedJogOrProfilePositionMode"), 5000);
