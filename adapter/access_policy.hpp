@@ -29,7 +29,7 @@ enum class Effect : std::uint8_t {
     changes,  ///< anything else; also what is not known
 };
 /// By the service and, for codes from 0x4B on, its class. A service that no row names changes something.
-[[nodiscard]] Effect effect_of(std::uint8_t service, std::uint32_t class_id);
+[[nodiscard]] Effect effect_of(std::uint8_t code, std::uint32_t class_id);
 
 /// What the rules look at beside the request.
 struct Surroundings {
