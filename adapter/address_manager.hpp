@@ -35,7 +35,7 @@ public:
     /// Called when the address has been lost otherwise, to a rival or with its lease: everything that uses it must end.
     void on_loss(std::function<void()> lost) { lost_ = std::move(lost); }
 
-    void on_frame(std::size_t port, const enip::HeardFrame& frame, enip::Time now) override;
+    void on_frame(std::size_t port, const enip::HeardFrame& heard, enip::Time now) override;
     void on_link(std::size_t port, bool up, enip::Time now) override;
     void on_timer(enip::Time now) override;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const override;

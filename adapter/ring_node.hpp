@@ -22,7 +22,7 @@ public:
     /// announcements, or at beacons.
     RingNode(NetworkState& network, Log log = {}) : network_(network), log_(std::move(log)) {}
 
-    void on_frame(std::size_t port, const enip::HeardFrame& frame, enip::Time now) override;
+    void on_frame(std::size_t port, const enip::HeardFrame& heard, enip::Time now) override;
     void on_link(std::size_t port, bool up, enip::Time now) override;
     void on_timer(enip::Time now) override;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const override;

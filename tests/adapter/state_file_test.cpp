@@ -114,7 +114,9 @@ TEST_P(OperationsThatFail, LeaveTheStateBefore) {
         for (std::size_t number = 1;; ++number) {
             FragileFiles files;
             StateFile file(files, path);
-            if (had_one) ASSERT_FALSE(file.store("old"));
+            if (had_one) {
+                ASSERT_FALSE(file.store("old"));
+            }
             files.heal();
             files.fail_at(number, std::make_error_code(GetParam()));
             const auto error = file.store("new");
@@ -147,7 +149,9 @@ TEST(StateFile, IsWholeWhereverTheProcessOrThePowerGoes) {
                 ASSERT_LT(number, 10U);
                 FragileFiles files;
                 StateFile file(files, path);
-                if (had_one) ASSERT_FALSE(file.store("old"));
+                if (had_one) {
+                    ASSERT_FALSE(file.store("old"));
+                }
                 files.heal();
                 files.die_at(number);
                 const bool stored = !file.store("new") && !files.is_dead();
@@ -156,7 +160,9 @@ TEST(StateFile, IsWholeWhereverTheProcessOrThePowerGoes) {
                 files.cut_power(renames);
                 const auto afterwards = found(files);
                 EXPECT_THAT(afterwards, testing::AnyOf(had_one ? "old" : "no file", "new")) << number;
-                if (stored) EXPECT_EQ(afterwards, "new");
+                if (stored) {
+                    EXPECT_EQ(afterwards, "new");
+                }
                 StateFile next(files, path);
                 (void)next.load();
                 EXPECT_FALSE(next.store("newer")) << "what is left does not stand in the way";
