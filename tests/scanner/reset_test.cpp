@@ -76,12 +76,12 @@ struct FakeDevice {
 
 class ResetVerb : public testing::Test {
 protected:
-    Run reset(std::vector<std::string> options = {}, std::istream* person = nullptr) {
+    test::Run reset(std::vector<std::string> options = {}, std::istream* person = nullptr) {
         std::vector<std::string> arguments{"reset", server_.host()};
         arguments.insert(arguments.end(), options.begin(), options.end());
         return run_scanner(arguments, {.person = person});
     }
-    Run answered(const std::string& answer, std::vector<std::string> options = {}) {
+    test::Run answered(const std::string& answer, std::vector<std::string> options = {}) {
         std::istringstream person(answer);
         return reset(std::move(options), &person);
     }
