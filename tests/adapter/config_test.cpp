@@ -177,7 +177,8 @@ INSTANTIATE_TEST_SUITE_P(
             "{\n  \"prot\": 1}",
             "2:3: 'prot' is not a setting; here may stand: access_log, axis, bind, count, eds, flash, icon, identity, "
             "io_port, "
-            "limits, log_level, lost_controller, motor, port, profiles, programs, protection, scenario, seed, "
+            "limits, log_level, lost_controller, manage_interface, motor, network, port, profiles, programs, "
+            "protection, scenario, seed, state, "
             "values, variant"},
         Wrong{"{\"identity\": {\"serial\": 1}}",
               "1:15: 'serial' is not a setting; here may stand: "

@@ -54,6 +54,7 @@ const std::vector<Attribute>& attributes() {
         {0x01, 1, 6, get, "C3B2A100"},
         {0x01, 1, 7, get, "0F 58454E4158205876692037355638 53"},
         {0x01, 1, 8, get, "03"},
+        {0x01, 1, 10, get, "00"},
         // Assembly (R-ASM-2, R-ASM-3): what an I/O connection sends and takes
         {0x04, 100, 3, get, std::string(56, '0')}, {0x04, 100, 4, get, "1C00"},
         {0x04, 101, 3, set, std::string(36, '0'), "00000000 10270000 10270000 14000000 0000", {"00000000 10270000 10270000 65000000 0000"}},
@@ -181,7 +182,7 @@ struct Class {
 // Revisions: R-OBJ-2. Services: R-DEV-2, R-MSG-4, R-CM-1.
 const std::vector<Class>& classes() {
     static const std::vector<Class> table{
-        {0x01, 1, 1, 1, 7, 8, {0x01, 0x03, 0x05, 0x0E}, "0100 0100 0700 0800"},
+        {0x01, 1, 1, 1, 7, 10, {0x01, 0x03, 0x05, 0x0E}, "0100 0100 0700 0A00"},
         {0x04, 2, 255, 11, 7, 4, {0x0E, 0x10}},
         {0x06, 1, 1, 1, 7, 13, {0x0E, 0x10, 0x4E, 0x52, 0x54, 0x56, 0x57, 0x5A, 0x5B}},
         {0x37, 3, 0xC8, 1, 32, 11, {0x0E, 0x4B, 0x4F}},
