@@ -18,6 +18,16 @@ std::optional<std::uint32_t> address_of(const std::string& text) {
     return ntohl(address.s_addr);
 }
 
+// Each line says which of several drives it is about.
+LineSink naming(const LineSink& sink, const std::string& drive) {
+    auto own = sink;
+    own.take = [take = sink.take, drive](LogLine line) {
+        line.values.emplace(line.values.begin(), "drive", drive);
+        take(line);
+    };
+    return own;
+}
+
 }  // namespace
 
 std::variant<std::vector<std::string>, std::string> drive_addresses(const std::vector<std::string>& binds,
@@ -90,14 +100,7 @@ std::optional<std::string> Fleet::install(const FlashImage& image) {
 
 void Fleet::on_access(const LineSink& sink) {
     for (std::size_t i = 0; i < members_.size(); ++i) {
-        auto own = sink;
-        if (members_.size() > 1) {
-            own.take = [take = sink.take, name = addresses_[i]](LogLine line) {
-                line.values.emplace(line.values.begin(), "drive", name);
-                take(line);
-            };
-        }
-        members_[i]->adapter.on_access(std::move(own));
+        members_[i]->adapter.on_access(members_.size() > 1 ? naming(sink, addresses_[i]) : sink);
     }
 }
 
