@@ -115,7 +115,7 @@ std::optional<drive::Refusal> unpack(const Layout& layout, cip::ByteView image, 
         layout, image, device, [&](const auto& row, const auto& value) { return device.check(row, value); });
     if (refused) return refused;
     return for_each_parameter(layout, image, device,
-                              [&](const auto& row, const auto& value) { return device.write(row, value); });
+                              [&](const auto& row, const auto& value) { return device.write_process_data(row, value); });
 }
 
 }  // namespace servobus::assemblies

@@ -153,7 +153,7 @@ TEST_F(StateText, OfAnEverydayDriveFitsIntoItsFile) {
             if (device_.fits(value)) state.parameters.push_back(value);
         }
     }
-    EXPECT_GT(state.parameters.size(), 500U);
+    EXPECT_GT(state.parameters.size(), 400U);
     EXPECT_EQ(parsed(text(state)), state);
     EXPECT_LT(seal(text(state)).size(), max_state_octets / 16);
 }

@@ -205,7 +205,7 @@ TEST_F(Storing, AnyFileThatIsOfNoUseIsKeptAsideAndTheIdentityTellsSo) {
         {sealed(R"({"parameters":{"0x64/0x00":"fifty"}})"), "damaged-6"},
         {sealed(R"({"network":{"colour":"red"}})"), "damaged-7"},
         {"servobus-state 0 00000000 2\n{}", "damaged-8"},
-        {"servobus-state 2 whatever comes", "newer-1"},
+        {"servobus-state 2 whatever comes\n", "newer-1"},
     };
     for (const auto& [content, name] : files) {
         files_.put(file(), content);
