@@ -192,7 +192,7 @@ void RingNode::on_locate_fault(const RingFrame& frame, enip::Time now) {
     }
     if (check_due_) return;  // it goes on already
     for (std::size_t port = 0; port < port_count; ++port) {
-        ports_[port].check.emplace();
+        ports_[port].check = NeighborCheck{};
         ports_[port].neighbor_lost = false;
         ask_neighbor(port);
     }

@@ -23,7 +23,7 @@ public:
     RingNode(NetworkState& network, Log log = {}) : network_(network), log_(std::move(log)) {}
 
     void on_frame(std::size_t port, const enip::HeardFrame& heard, enip::Time now) override;
-    void on_link(std::size_t port, bool up, enip::Time now) override;
+    void on_link(std::size_t number, bool up, enip::Time now) override;
     void on_timer(enip::Time now) override;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const override;
     [[nodiscard]] std::vector<enip::LinkFrame> take_frames() override { return std::exchange(frames_, {}); }

@@ -82,7 +82,7 @@ struct IpHeader {
 cip::Decoded<IpHeader> parse_ip(cip::ByteView octets) {
     cip::Reader reader(octets);
     const auto version = reader.u8();
-    const std::size_t header_octets = (version & 0x0FU) * 4U;
+    const std::size_t header_octets = std::size_t{4} * (version & 0x0FU);
     reader.u8();
     const std::size_t total = reader.big<std::uint16_t>();
     reader.u16();
