@@ -44,7 +44,7 @@ TEST(Identity, R_ID_6_AllAttributes) {
 TEST(Identity, R_OBJ_3_AllClassAttributes) {
     Site site;
     auto peer = registered(site);
-    EXPECT_EQ(peer.call("01 02 20 01 24 00"), hex("81 00 00 00 0100 0100 0700 0800"));
+    EXPECT_EQ(peer.call("01 02 20 01 24 00"), hex("81 00 00 00 0100 0100 0700 0A00"));
     EXPECT_EQ(peer.call("0E 03 20 01 24 00 30 01"), hex("8E 00 00 00 01 00"));
     EXPECT_EQ(peer.call("05 02 20 01 24 00"), hex("85 00 08 00"));
 }

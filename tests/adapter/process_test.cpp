@@ -280,7 +280,7 @@ TEST_F(ProcessWithConfig, TheCommandLineWinsOverTheFile) {
     EXPECT_THAT(program.first_line(), StartsWith("Press 7 (vendor 1389, device type 43, product code 0x7508"));
 }
 
-TEST_F(ProcessWithConfig, AResetComesBackWithTheConfiguredValues) {
+TEST_F(ProcessWithConfig, APlainResetKeepsWhatWasWrittenAndAFactoryResetWhatIsConfigured) {
     const Program program({"--config", file(R"({"port": 0, "values": {"SCurve": 77}})")});
     const auto port = port_in(program.first_line());
     const auto s_curve_after = [&](const std::string& request) {
@@ -293,7 +293,7 @@ TEST_F(ProcessWithConfig, AResetComesBackWithTheConfiguredValues) {
         EXPECT_TRUE(next.register_session());
         return hex(next.call(octets("0E 03 20 64 24 01 30 00")));
     };
-    EXPECT_EQ(s_curve_after("05 02 20 01 24 01 00"), hex("8E 00 00 00 4D 00 00 00"));
+    EXPECT_EQ(s_curve_after("05 02 20 01 24 01 00"), hex("8E 00 00 00 32 00 00 00"));
     EXPECT_EQ(s_curve_after("05 02 20 01 24 01 01"), hex("8E 00 00 00 4D 00 00 00")) << "as delivered";
 }
 
