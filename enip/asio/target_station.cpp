@@ -320,6 +320,7 @@ bool TargetStation::catch_up() {
     if (passed < Time::duration(0)) return false;
     if (passed > late) receive_io();
     target_.on_timer(now());
+    mark_messages();  // it may have been a restart
     return true;
 }
 
