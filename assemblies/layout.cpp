@@ -114,8 +114,9 @@ std::optional<drive::Refusal> unpack(const Layout& layout, cip::ByteView image, 
     const auto refused = for_each_parameter(
         layout, image, device, [&](const auto& row, const auto& value) { return device.check(row, value); });
     if (refused) return refused;
-    return for_each_parameter(layout, image, device,
-                              [&](const auto& row, const auto& value) { return device.write_process_data(row, value); });
+    return for_each_parameter(layout, image, device, [&](const auto& row, const auto& value) {
+        return device.write_process_data(row, value);
+    });
 }
 
 }  // namespace servobus::assemblies
