@@ -4,6 +4,7 @@
 #include <array>
 
 #include "adapter/forward_open_checks.hpp"
+#include "cip/file_transfer.hpp"
 #include "cip/forward_open.hpp"
 #include "cip/services.hpp"
 
@@ -14,7 +15,6 @@ namespace service = cip::service;
 using cip::class_id::connection_manager;
 
 constexpr std::uint32_t any_class = 0;
-constexpr std::uint32_t file_class = 0x37;
 
 struct EffectRow {
     std::uint8_t service;
@@ -36,9 +36,9 @@ constexpr auto effects = std::to_array<EffectRow>({
     {service::get_connection_data,     connection_manager,                Effect::reads},
     {service::search_connection_data,  connection_manager,                Effect::reads},
     {service::get_connection_owner,    connection_manager,                Effect::reads},
-    {0x4B /* Initiate_Upload */,       file_class,                        Effect::reads},
-    {0x4D /* Initiate_Partial_Read */, file_class,                        Effect::reads},
-    {0x4F /* Upload_Transfer */,       file_class,                        Effect::reads},
+    {cip::file::initiate_upload, cip::file::class_id, Effect::reads},
+    {0x4D /* Initiate_Partial_Read */, cip::file::class_id, Effect::reads},
+    {cip::file::upload_transfer, cip::file::class_id, Effect::reads},
     {service::set_attribute_single,    any_class,                         Effect::sets},
     {service::set_attribute_list,      any_class,                         Effect::sets},
     {service::set_attributes_all,      any_class,                         Effect::sets},

@@ -24,9 +24,7 @@ LastConflict conflict_with(const MacAddress& rival, std::uint32_t address) {
 
 void AddressRivalry::restart() {
     detects_ = network_.settings.select_acd;
-    over_.reset();
-    network_.state.address.conflict = false;
-    network_.state.address.without_address = false;
+    over_.reset();  // the bits of attribute 1 go with the address settings, which are applied next
 }
 
 AddressRivalry::Outcome AddressRivalry::claim(const MacAddress& rival, enip::Time now) {
@@ -47,9 +45,7 @@ void AddressRivalry::on_timer(enip::Time now) {
     if (!over_ || *over_ > now) return;
     over_.reset();
     network_.state.address.conflict = false;
-    if (!network_.state.address.without_address) return;
-    network_.state.address.without_address = false;
-    apply_address_settings(network_);
+    if (network_.state.address.without_address) apply_address_settings(network_);
 }
 
 }  // namespace servobus::adapter
