@@ -9,6 +9,7 @@
 
 #include "tests/adapter/tcp_client.hpp"
 #include "tests/support/octets.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::test {
 namespace {
@@ -94,7 +95,7 @@ std::set<std::uint16_t> classes() {
 
 /// Class and attribute of each printed row, with its type.
 std::map<drive::Key, std::string> printed_types() {
-    std::ifstream file(SERVOBUS_TEST_DATA "/reference/xenax_cip_attributes.csv");
+    std::ifstream file(data_path("reference/xenax_cip_attributes.csv"));
     std::map<drive::Key, std::string> types;
     std::string line;
     std::getline(file, line);

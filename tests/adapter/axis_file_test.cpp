@@ -9,6 +9,7 @@
 
 #include "adapter/config.hpp"
 #include "adapter/shipped_axis_files.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::adapter {
 namespace {
@@ -46,7 +47,7 @@ std::string reason(json axis, const json& changes) {
 
 TEST(ShippedAxes, AreAllFilesOfTheFolderAndAllSound) {
     std::size_t count = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(SERVOBUS_TEST_DATA "/../drive/axes")) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::data_path("../drive/axes"))) {
         if (entry.path().extension() != ".json") continue;
         ++count;
         std::ifstream stream(entry.path(), std::ios::binary);

@@ -22,6 +22,7 @@
 #include "enip/messages.hpp"
 #include "tests/adapter/tcp_client.hpp"
 #include "tests/support/octets.hpp"
+#include "tests/support/places.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration)
 
@@ -50,7 +51,7 @@ public:
         ::posix_spawn_file_actions_adddup2(&actions, in[0], STDIN_FILENO);
         ::posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
         ::posix_spawn_file_actions_adddup2(&actions, terminal >= 0 ? terminal : err[1], STDERR_FILENO);
-        arguments.insert(arguments.begin(), SERVOBUS_BIN_DIR "/servobus-adapter");
+        arguments.insert(arguments.begin(), program_path("servobus-adapter"));
         std::vector<char*> words;
         for (auto& word : arguments) words.push_back(word.data());
         words.push_back(nullptr);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "adapter/event_words.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::adapter {
 namespace {
@@ -218,7 +219,7 @@ TEST(Scenario, HoldsSoManyEvents) {
 }
 
 TEST(Scenario, TheExampleOfTheManualIsSound) {
-    EXPECT_THAT(entries(load_scenario(SERVOBUS_TEST_DATA "/../docs/examples/blocked-axis.json")),
+    EXPECT_THAT(entries(load_scenario(test::data_path("../docs/examples/blocked-axis.json"))),
                 ElementsAre("2 put-obstacle position=120000 stiffness=50 from_above=false", "6 remove-obstacle",
                             "8 block-axis", "10 release-axis"));
 }

@@ -13,6 +13,7 @@
 #include "assemblies/parameter_value.hpp"
 #include "drive/xenax.hpp"
 #include "tests/support/octets.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::assemblies {
 namespace {
@@ -36,7 +37,7 @@ struct PrintedAssembly {
 
 // Columns: assembly, direction, offset, length, name, class, instance, attribute, type, assembly_bytes, section.
 std::map<unsigned, PrintedAssembly> printed_assemblies() {
-    std::ifstream file(SERVOBUS_TEST_DATA "/reference/xenax_assemblies.csv");
+    std::ifstream file(test::data_path("reference/xenax_assemblies.csv"));
     std::map<unsigned, PrintedAssembly> assemblies;
     std::string line;
     std::getline(file, line);

@@ -16,6 +16,7 @@
 
 #include "drive/ds402.hpp"
 #include "tests/support/csv.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::drive {
 namespace {
@@ -62,7 +63,7 @@ constexpr auto figure = std::to_array<Arrow>({
 using test::Record;
 
 std::vector<Record> printed_rows(const std::string& kind) {
-    auto records = test::read_csv(SERVOBUS_TEST_DATA "/reference/xenax_ds402_transitions.csv");
+    auto records = test::read_csv(test::data_path("reference/xenax_ds402_transitions.csv"));
     std::erase_if(records, [&](const Record& record) { return record.at("kind") != kind; });
     return records;
 }

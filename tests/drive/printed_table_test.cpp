@@ -14,6 +14,7 @@
 
 #include "drive/xenax.hpp"
 #include "tests/support/csv.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::drive {
 namespace {
@@ -65,7 +66,7 @@ Key key_of(const Record& record) { return {hex(record.at("class_id")), hex(recor
 /// The rows of the classes that a drive has; the others belong to the bus module.
 std::vector<Record> printed_rows() {
     const std::set<std::uint16_t> classes{0x64, 0x65, 0x66, 0x67, 0x68, 0x69, 0x6E};
-    auto records = test::read_csv(SERVOBUS_TEST_DATA "/reference/xenax_cip_attributes.csv");
+    auto records = test::read_csv(test::data_path("reference/xenax_cip_attributes.csv"));
     std::erase_if(records, [&](const Record& record) { return !classes.contains(key_of(record).class_id); });
     return records;
 }
@@ -212,7 +213,7 @@ TEST(PrintedTable, DiffersFromTheManualOnlyWhereErrataSaySo) {
 }
 
 TEST(PrintedTable, EveryDeviationIsExplainedInTheErrata) {
-    std::ifstream file(SERVOBUS_TEST_DATA "/../docs/errata.md");
+    std::ifstream file(test::data_path("../docs/errata.md"));
     const std::string errata{std::istreambuf_iterator<char>(file), {}};
     for (const Deviation& each : deviations) {
         EXPECT_NE(errata.find("| " + std::string(each.errata) + " |"), std::string::npos) << each.errata;

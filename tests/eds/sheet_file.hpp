@@ -6,11 +6,12 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include "tests/support/places.hpp"
 
 namespace servobus::test {
 
 inline std::string sheet(const std::string& name) {
-    std::ifstream file(std::string(SERVOBUS_TEST_DATA) + "/eds/sheets/" + name, std::ios::binary);
+    std::ifstream file(data_path("eds/sheets/" + name), std::ios::binary);
     EXPECT_TRUE(file) << name;
     return {std::istreambuf_iterator<char>(file), {}};
 }

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "scanner/cli/run.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -27,7 +28,7 @@ std::string script(const std::string& shell) {
 std::string offered(const std::string& words) {
     const auto file = testing::TempDir() + "/servobus_completion_" + std::to_string(getpid()) + ".bash";
     std::ofstream(file) << script("bash") << "compopt() { :; }\n"
-                        << "PATH=" << SERVOBUS_BIN_DIR << ":$PATH\n"
+                        << "PATH=" << servobus::test::program_path("") << ":$PATH\n"
                         << "COMP_WORDS=(" << words << ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"
                         << "_servobus_scanner\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
     std::string text;

@@ -11,6 +11,7 @@
 #include "drive/xenax.hpp"
 #include "tests/scanner/run_scanner.hpp"
 #include "tests/scanner/running_adapter.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::scanner::cli {
 namespace {
@@ -118,7 +119,7 @@ TEST_F(EndToEnd, ABlockedAxisFailsAndComesBackWithoutAReference) {
 }
 
 TEST_F(EndToEnd, RunsTheExample) {
-    auto* pipe = popen((std::string(SERVOBUS_BIN_DIR) + "/servobus_example_read_attribute " + host).c_str(), "r");
+    auto* pipe = popen((servobus::test::program_path("servobus_example_read_attribute ") + host).c_str(), "r");
     std::array<char, 256> line{};
     ASSERT_NE(fgets(line.data(), line.size(), pipe), nullptr);
     EXPECT_STREQ(line.data(), "SCurve = 20 %\n");

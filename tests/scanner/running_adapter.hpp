@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "tests/scanner/run_scanner.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::scanner::test {
 
@@ -26,7 +27,7 @@ protected:
     void TearDown() override { stop(); }
 
     void start() {
-        const auto adapter = std::string(SERVOBUS_BIN_DIR) + "/servobus-adapter";
+        const auto adapter = servobus::test::program_path("servobus-adapter");
         // A loopback address that no other test has.
         const auto number = static_cast<unsigned>(getpid()) & 0xFFFFU;
         host = "127.88." + std::to_string(number >> 8) + "." + std::to_string(number & 0xFF);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drive/axis_kind.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::drive {
 
@@ -103,7 +104,7 @@ inline AxisKind axis_of(const Members& members) {
 /// By key.
 inline std::vector<AxisKind> shipped_kinds() {
     std::vector<AxisKind> kinds;
-    for (const auto& entry : std::filesystem::directory_iterator(SERVOBUS_TEST_DATA "/../drive/axes")) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::data_path("../drive/axes"))) {
         kinds.push_back(axis_of(read_members(entry.path())));
     }
     std::ranges::sort(kinds, {}, &AxisKind::key);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/support/octets.hpp"
+#include "tests/support/places.hpp"
 
 namespace servobus::test {
 
@@ -35,7 +36,7 @@ inline void PrintTo(const GoldenVector& vector, std::ostream* out) { *out << vec
 /// In the order of the file, which is that of the conversations. Empty when the file cannot be read.
 inline const std::vector<GoldenVector>& golden_vectors() {
     static const auto vectors = [] {
-        std::ifstream file(SERVOBUS_TEST_DATA "/golden/golden_vectors.json");
+        std::ifstream file(data_path("golden/golden_vectors.json"));
         std::vector<GoldenVector> list;
         const auto document = nlohmann::json::parse(file, nullptr, false);
         if (document.is_discarded()) return list;
