@@ -17,8 +17,11 @@ namespace servobus::bench {
 namespace {
 
 const std::map<std::string, void (*)(const Settings&, Report&)> parts{
-    {"floors", measure_floors},         {"target", measure_target_intervals},         {"latency", measure_latencies},
-    {"throughput", measure_throughput}, {"originator", measure_originator_intervals}, {"many", measure_many_drives},
+    {"floors", measure_floors},         {"target", measure_target_intervals},
+    {"latency", measure_latencies},     {"requests", measure_request_rates},
+    {"memory", measure_memory},         {"start", measure_start},
+    {"throughput", measure_throughput}, {"originator", measure_originator_intervals},
+    {"many", measure_many_drives},
 };
 
 /// 127.60.x.1, where x is this process' own as far as a number of processes can tell.
@@ -30,7 +33,8 @@ int run(int argc, char** argv) {
     Settings settings;
     settings.address = address_of_this_run();
     settings.adapter = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "servobus-adapter";
-    std::vector<std::string> chosen{"floors", "target", "latency", "throughput", "originator", "many"};
+    std::vector<std::string> chosen{"floors", "target",     "latency",    "requests", "memory",
+                                    "start",  "throughput", "originator", "many"};
     std::vector<double> many_ms;
     std::string json;
     int priority = 0;

@@ -16,7 +16,7 @@ Descriptor connect_patiently(enip::Endpoint peer, std::uint32_t local_address) {
     while (true) {
         if (auto socket = tcp_connect(peer, local_address); socket.number() >= 0) return socket;
         if (monotonic() > end) give_up("nobody listens at " + to_string(peer));
-        sleep_until(monotonic() + second / 50);
+        sleep_until(monotonic() + second / 1000);
     }
 }
 
@@ -55,6 +55,30 @@ cip::Response ExplicitClient::call(const cip::Request& request) {
     const auto response = cip::Response::parse(*message);
     if (!response) give_up("a reply makes no sense");
     return *response;
+}
+
+cip::Bytes ExplicitClient::connected_frame(const cip::Request& request) {
+    static std::uint16_t serial = 0;
+    cip::ForwardOpen open;
+    open.triad = {.serial_number = ++serial,
+                  .originator_vendor = 0xFFFF,
+                  .originator_serial = static_cast<std::uint32_t>(monotonic())};
+    open.t_to_o_id = 0xBF000000 + serial;
+    open.timeout_multiplier = 7;
+    open.o_to_t_rpi = open.t_to_o_rpi = 1'000'000;
+    open.o_to_t = open.t_to_o = {.variable = true, .size = 500};
+    open.transport = {.server = true, .trigger = 2, .transport_class = 3};
+    open.path = cip::Path::to(cip::class_id::message_router, 1).encode();
+    const auto response = call({.service = cip::service::forward_open,
+                                .path = cip::Path::to(cip::class_id::connection_manager, 1),
+                                .data = open.encode()});
+    if (!response.status.ok()) give_up("the Forward_Open is refused: " + describe(response.status));
+    const auto reply = cip::ForwardOpenReply::parse(response.data);
+    if (!reply) give_up("the reply to the Forward_Open makes no sense");
+    return enip::Frame{.command = enip::Command::send_unit_data,
+                       .session = session_,
+                       .data = enip::SendData::connected(reply->o_to_t_id, 0, request.encode()).encode()}
+        .encode();
 }
 
 cip::Request read_position() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "cip/forward_open.hpp"
 #include "cip/message.hpp"
@@ -21,7 +22,11 @@ public:
     /// Sends a frame and reads its reply, header and all.
     [[nodiscard]] const cip::Bytes& exchange(const cip::Bytes& frame);
     [[nodiscard]] cip::Response call(const cip::Request& request);
+    /// Opens a class 3 connection to the Message Router; the frame of a request over it, its sequence count still 0.
+    [[nodiscard]] cip::Bytes connected_frame(const cip::Request& request);
     [[nodiscard]] const Descriptor& socket() const { return socket_; }
+    /// The session is the caller's from now on.
+    [[nodiscard]] Descriptor release() { return std::move(socket_); }
 
 private:
     Descriptor socket_;

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/epoll.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
+#include <vector>
 
 #include "enip/encapsulation.hpp"
 #include "tests/bench/io/explicit_client.hpp"
@@ -113,6 +116,77 @@ int tcp_echo(const std::vector<std::string>& words) {
     return 0;
 }
 
+/// Single thread, level-triggered: what a server has to do for each request at least.
+class BareServer {
+public:
+    BareServer(enip::Endpoint local, std::size_t request_octets, std::size_t reply_octets)
+        : listener_(tcp_listener(local)),
+          request_octets_(request_octets),
+          reply_(reply_octets),
+          poll_(::epoll_create1(0)) {
+        watch(listener_.number());
+    }
+
+    void run() {
+        say(std::to_string(local_endpoint(listener_).port));
+        while (stopped == 0) {
+            std::array<epoll_event, 64> events{};
+            const auto ready = ::epoll_wait(poll_.number(), events.data(), static_cast<int>(events.size()), -1);
+            for (int i = 0; i < ready; ++i) {
+                const auto number = events[static_cast<std::size_t>(i)].data.fd;
+                if (number == listener_.number()) {
+                    accept();
+                } else {
+                    answer(peers_.at(number));
+                }
+            }
+        }
+    }
+
+private:
+    struct Peer {
+        Descriptor socket;
+        std::size_t octets = 0;  ///< of a request that is not complete
+    };
+
+    void watch(int number) {
+        epoll_event event{.events = EPOLLIN, .data = {.fd = number}};
+        if (::epoll_ctl(poll_.number(), EPOLL_CTL_ADD, number, &event) != 0) give_up_errno("epoll_ctl");
+    }
+    void accept() {
+        auto socket = tcp_accept(listener_);
+        if (socket.number() < 0) return;
+        watch(socket.number());
+        const auto number = socket.number();
+        peers_[number].socket = std::move(socket);
+    }
+    void answer(Peer& peer) {
+        const auto got = ::recv(peer.socket.number(), in_.data(), in_.size(), 0);
+        if (got <= 0) {
+            peers_.erase(peer.socket.number());
+            return;
+        }
+        peer.octets += static_cast<std::size_t>(got);
+        out_.clear();
+        for (; peer.octets >= request_octets_; peer.octets -= request_octets_)
+            out_.insert(out_.end(), reply_.begin(), reply_.end());
+        if (!out_.empty()) send_all(peer.socket, out_);
+    }
+
+    Descriptor listener_;
+    std::size_t request_octets_;
+    std::vector<std::uint8_t> reply_;
+    Descriptor poll_;
+    std::map<int, Peer> peers_;
+    std::array<std::uint8_t, 65536> in_{};
+    std::vector<std::uint8_t> out_;
+};
+
+int tcp_reply(const std::vector<std::string>& words) {
+    BareServer(parse_endpoint(words.at(1)), std::stoul(words.at(2)), std::stoul(words.at(3))).run();
+    return 0;
+}
+
 int udp_sink(const std::vector<std::string>& words) {
     const auto socket = udp_socket(parse_endpoint(words.at(1)));
     say(std::to_string(local_endpoint(socket).port));
@@ -202,6 +276,7 @@ int play(const std::vector<std::string>& words) {
     if (role == "paced-echo") return paced_echo(words);
     if (role == "udp-echo") return udp_echo(words);
     if (role == "tcp-echo") return tcp_echo(words);
+    if (role == "tcp-reply") return tcp_reply(words);
     if (role == "udp-sink") return udp_sink(words);
     if (role == "load") return load(words);
     if (role == "originator") return originator_role(words);

@@ -13,6 +13,7 @@ namespace servobus::bench {
 ///     sender FROM TO INTERVAL_US CONNECTION   the bare paced sender: sleep to an absolute deadline, send
 ///     paced-echo FROM TO INTERVAL_US          the same, and the outputs that came last go into what is sent
 ///     udp-echo ADDRESS, tcp-echo ADDRESS      sends back what comes
+///     tcp-reply ADDRESS REQUEST REPLY         answers each REQUEST octets with REPLY octets, to many peers
 ///     udp-sink ADDRESS                        counts what comes
 ///     load HOST RATE ATTRIBUTES               reads RATE attributes a second, ATTRIBUTES with each request
 ///     originator ...                          see originator_role.hpp

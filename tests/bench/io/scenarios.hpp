@@ -30,6 +30,12 @@ void measure_floors(const Settings& settings, Report& report);
 void measure_target_intervals(const Settings& settings, Report& report);
 /// Action and response latency.
 void measure_latencies(const Settings& settings, Report& report);
+/// Rate, waits and CPU of explicit requests: one session, many, many requests on their way, class 3.
+void measure_request_rates(const Settings& settings, Report& report);
+/// Resident memory of a drive, a session, a connection, and each further drive.
+void measure_memory(const Settings& settings, Report& report);
+/// From the start of the process to its first answer.
+void measure_start(const Settings& settings, Report& report);
 /// Explicit requests and class 1 datagrams, as many as pass without a loss.
 void measure_throughput(const Settings& settings, Report& report);
 /// Measured packet interval of O->T, as the product's originator sends it.
