@@ -18,6 +18,7 @@ import statistics
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import Counter
@@ -27,6 +28,7 @@ PORT, IO_PORT = 44818, 2222
 REGISTER, UNREGISTER, RR_DATA, UNIT_DATA = 0x65, 0x66, 0x6F, 0x70
 FORWARD_OPEN, FORWARD_CLOSE = 0x54, 0x4E
 IDENTITY_NAME = bytes.fromhex("0E0320012401 3007".replace(" ", ""))
+KEEP = bytes.fromhex("100320F52401300D")  # Set_Attribute_Single of 0xF5/1/13
 MESSAGE_ROUTER, MANAGER = bytes.fromhex("20022401"), bytes.fromhex("20062401")
 OWNER_PATH, INPUT_PATH = bytes.fromhex("200424012C672C64"), bytes.fromhex("20042401 2CFE 2C64".replace(" ", ""))
 O_TO_T, T_TO_O = 38, 30  # sequence count, run/idle header, data (000, assemblies 103 and 100)
@@ -166,6 +168,21 @@ class Connected(Worker):
         session.end(self.rng)
 
 
+class Writers(Worker):
+    """Writes what is kept: encapsulation inactivity timeout (0xF5/1/13), which waits for the file of the state."""
+
+    def once(self):
+        session = Session(self.drive(), self.local)
+        for _ in range(self.rng.randrange(1, 5)):
+            value = struct.pack("<H", self.rng.randrange(120, 600))
+            status, _ = session.request(KEEP + value)
+            if status != 0:
+                raise ValueError(f"a write was answered with status {status:#x}")
+            self.done["writes that are kept"] += 1
+        session.end(self.rng)
+        time.sleep(0.02)
+
+
 class InputOutput(Worker):
     """Owns a drive or looks on, on I/O connections of 5 ms."""
 
@@ -233,6 +250,7 @@ class Soak:
         self.seconds = options.minutes * 60
         self.end = None
         self.samples = []
+        self.state = tempfile.TemporaryDirectory()
 
     def over(self):
         return time.monotonic() >= self.end or self.adapter.poll() is not None
@@ -248,7 +266,8 @@ class Soak:
         # Freed memory that the sanitizer keeps aside would look like a leak; real ones it tells at the end.
         environment["ASAN_OPTIONS"] = environment.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1:detect_leaks=1"
         self.adapter = subprocess.Popen([self.bin / "servobus-adapter", "--bind", self.addresses[0], "--count", str(DRIVES),
-                                         "--log-level", "error"], stdin=subprocess.DEVNULL, env=environment)
+                                         "--state", self.state.name, "--log-level", "error"],
+                                        stdin=subprocess.DEVNULL, env=environment)
         deadline = time.monotonic() + 30
         while True:
             try:
@@ -262,10 +281,14 @@ class Soak:
     def run(self):
         self.start()
         try:
+            # The thread that stores comes with the first write, and stays.
+            first = Session(self.addresses[0], f"{self.network}.99")
+            first.request(KEEP + struct.pack("<H", 300))
+            first.socket.close()
             time.sleep(1)
             before = self.sample()
             self.end = time.monotonic() + self.seconds
-            kinds = [Sessions, Sessions, Connected, InputOutput, InputOutput, InputOutput, Scanners]
+            kinds = [Sessions, Sessions, Connected, InputOutput, InputOutput, InputOutput, Writers, Scanners]
             workers = [kind(self, number) for number, kind in enumerate(kinds)]
             for worker in workers:
                 worker.start()
