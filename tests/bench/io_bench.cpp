@@ -1,10 +1,11 @@
-// Measures class 1 traffic in the terms of the ODVA performance test documents, beside floors measured in the same run:
+// Measures messages, memory and class 1 traffic, the latter in the terms of the ODVA performance test documents, beside floors measured in the same run:
 // packet interval against the granted one, jitter, drift, action and response latency, throughput, CPU. It reports and
 // never fails on a figure; it ends with 3 when it cannot measure at all.
 #include <sched.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -39,7 +40,7 @@ int run(int argc, char** argv) {
     std::string json;
     int priority = 0;
 
-    CLI::App app("Measures class 1 traffic of the adapter and of the originator, beside floors.", "servobus_io_bench");
+    CLI::App app("Measures the adapter and the originator over sockets, beside floors.", "servobus_io_bench");
     std::vector<std::string> names = chosen;
     app.add_option("--parts", chosen, "What to measure (all unless given)")
         ->delimiter(',')
@@ -48,8 +49,9 @@ int run(int argc, char** argv) {
     app.add_option("--interval", settings.interval_us, "Packet interval in microseconds (1000 unless given)");
     app.add_option("--load-rate", settings.load_rate, "Attributes a second that the load reads (80000 unless given)");
     app.add_option("--load-attributes", settings.load_attributes, "Of them with each request (1 unless given)");
-    app.add_option("--drives", settings.drives, "How many drives `many` has (128 unless given)");
-    app.add_option("--rpi", many_ms, "The packet intervals of `many` in ms (2,1 unless given)")->delimiter(',');
+    app.add_option("--drives", settings.drives, "How many drives `many` and `memory` have (1,7,8,32,128 unless given)")
+        ->delimiter(',');
+    app.add_option("--rpi", many_ms, "The packet intervals of `many` in ms (1 unless given)")->delimiter(',');
     app.add_option("--adapter", settings.adapter, "The program servobus-adapter");
     app.add_option("--adapter-option", settings.adapter_options, "Handed on to it; may be given again")
         ->allow_extra_args(false);
@@ -58,6 +60,9 @@ int run(int argc, char** argv) {
     app.add_option("--json", json, "Writes the figures to this file as well");
     CLI11_PARSE(app, argc, argv);
 
+    if (std::ranges::any_of(settings.drives, [](std::size_t drives) { return drives < 1 || drives > 200; })) {
+        give_up("--drives takes 1 to 200 of them, as many as a range of addresses has room for");
+    }
     if (!many_ms.empty()) {
         settings.many_intervals_us.clear();
         for (const auto ms : many_ms) settings.many_intervals_us.push_back(static_cast<std::uint32_t>(ms * 1000));

@@ -33,13 +33,30 @@ SenderRun originator_sends(const Settings& settings) {
     return result;
 }
 
-void measure_drives(const Settings& settings, std::uint32_t interval_us, Report& report) {
-    const auto adapter = start_adapter(settings, settings.drives);
-    auto originator = start_originator(settings, settings.drives, interval_us);
+/// CPU of one end of as many bare connections, in microseconds for each datagram that it sends or takes.
+double bare_fleet_cpu(const Settings& settings, std::size_t drives, std::uint32_t interval_us) {
+    constexpr std::uint16_t port = enip::io_port + 1;
+    const auto near = to_string(enip::Endpoint{settings.address, port});
+    const auto far = to_string(enip::Endpoint{settings.address + (1U << 16), port});
+    const auto count = std::to_string(drives);
+    const auto interval = std::to_string(interval_us);
+    auto one = Child::in_role({"fleet", near, far, count, interval});
+    auto other = Child::in_role({"fleet", far, near, count, interval});
+    sleep_until(monotonic() + static_cast<Nanoseconds>(settings.seconds / 2 * 1e9));
+    const auto spent = static_cast<double>(one.cpu()) / 1000;
+    const auto said = nlohmann::json::parse(one.stop(), nullptr, false);
+    if (!said.is_object()) give_up("the bare connections have said nothing at their end");
+    return spent / (said.at("sent").get<double>() + said.at("received").get<double>());
+}
+
+void measure_drives(const Settings& settings, std::size_t drives, std::uint32_t interval_us, Report& report) {
+    const auto floor = bare_fleet_cpu(settings, drives, interval_us);
+    const auto adapter = start_adapter(settings, drives);
+    auto originator = start_originator(settings, drives, interval_us);
     std::size_t drops_before = 0;
     const auto drops = [&] {
         std::size_t result = 0;
-        for (std::uint32_t i = 0; i < settings.drives; ++i) result += dropped({settings.address + i, enip::io_port});
+        for (std::uint32_t i = 0; i < drives; ++i) result += dropped({settings.address + i, enip::io_port});
         return result;
     };
     drops_before = drops();
@@ -58,7 +75,7 @@ void measure_drives(const Settings& settings, std::uint32_t interval_us, Report&
     const auto of_a_core = [&](Nanoseconds cpu) {
         return std::round(static_cast<double>(cpu) / static_cast<double>(elapsed) * 1000) / 10;
     };
-    Row row{{"drives", settings.drives}, {"interval_us", interval_us}};
+    Row row{{"drives", drives}, {"interval_us", interval_us}};
     for (const auto* key : {"sent", "received"}) row[key] = said.at(key);
     row["lost T->O"] = said.at("lost");
     row["lost O->T"] = lost_at_adapter;
@@ -70,7 +87,12 @@ void measure_drives(const Settings& settings, std::uint32_t interval_us, Report&
         said.at("drift_ppm").is_number() ? Row(rounded(said.at("drift_ppm").get<double>())) : Row(nullptr);
     row["adapter_core_percent"] = of_a_core(adapter_cpu);
     row["originator_core_percent"] = of_a_core(originator_cpu);
-    row["cpu_us_per_packet"] = rounded(static_cast<double>(adapter_cpu + originator_cpu) / 1000 / packets);
+    const auto each = [&](Nanoseconds cpu) { return static_cast<double>(cpu) / 1000 / packets; };
+    row["adapter_cpu_us"] = rounded(each(adapter_cpu));
+    row["originator_cpu_us"] = rounded(each(originator_cpu));
+    row["floor_cpu_us"] = rounded(floor);
+    row["adapter_x_floor"] = rounded(each(adapter_cpu) / floor);
+    row["originator_x_floor"] = rounded(each(originator_cpu) / floor);
     report.add(row);
 }
 
@@ -95,8 +117,12 @@ void measure_many_drives(const Settings& settings, Report& report) {
     report.table(
         "many", "Many drives in one adapter, one originator owns them all",
         "Jitter is that of T->O as the originator takes it, of all connections together; lost O->T are datagrams "
-        "dropped at the adapter's sockets.");
-    for (const auto interval_us : settings.many_intervals_us) measure_drives(settings, interval_us, report);
+        "dropped at the adapter's sockets. CPU is that of each end for a datagram that it sends or takes; the floor is "
+        "one "
+        "end of as many bare connections: one system call for all that it sends, one for each socket that takes.");
+    for (const auto interval_us : settings.many_intervals_us) {
+        for (const auto drives : settings.drives) measure_drives(settings, drives, interval_us, report);
+    }
 }
 
 }  // namespace servobus::bench

@@ -66,9 +66,10 @@ void measure_memory(const Settings& settings, Report& report) {
     }
     Settings many = settings;
     many.address += 256;
-    const auto fleet = start_adapter(many, settings.drives + 1);
-    report.add(memory_row(fmt::format("each of {} further drives", settings.drives),
-                          (resident_kib(fleet) - one) / static_cast<double>(settings.drives)));
+    const auto further = std::ranges::max(settings.drives);
+    const auto fleet = start_adapter(many, further + 1);
+    report.add(memory_row(fmt::format("each of {} further drives", further),
+                          (resident_kib(fleet) - one) / static_cast<double>(further)));
 }
 
 void measure_start(const Settings& settings, Report& report) {

@@ -86,6 +86,50 @@ int paced_echo(const std::vector<std::string>& words) {
     return 0;
 }
 
+/// What many connections ask of one end at least: at each interval one system call that sends all of its datagrams, and one
+/// for each socket that takes what has come there.
+int fleet(const std::vector<std::string>& words) {
+    const auto from = parse_endpoint(words.at(1));
+    const auto to = parse_endpoint(words.at(2));
+    const auto count = std::stoul(words.at(3));
+    const auto interval = std::stoll(words.at(4)) * 1000;
+    ::prctl(PR_SET_TIMERSLACK, 1);
+    std::vector<Descriptor> sockets;
+    std::vector<sockaddr_in> peers;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        sockets.push_back(udp_socket({from.address + i, from.port}));
+        peers.push_back(to_sockaddr({to.address + i, to.port}));
+    }
+    std::array<std::uint8_t, t_to_o_octets> octets{};
+    std::array<std::uint8_t, 512> room{};
+    iovec part{octets.data(), octets.size()};
+    iovec place{room.data(), room.size()};
+    std::vector<mmsghdr> out(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        auto& message = out[i].msg_hdr;
+        message.msg_name = &peers[i];
+        message.msg_namelen = sizeof peers[i];
+        message.msg_iov = &part;
+        message.msg_iovlen = 1;
+    }
+    say("ready");
+    std::uint64_t sent = 0;
+    std::uint64_t received = 0;
+    for (auto next = monotonic() + interval; stopped == 0; next += interval) {
+        if (!sleep_until(next)) continue;
+        for (const auto& socket : sockets) {
+            mmsghdr in{};
+            in.msg_hdr.msg_iov = &place;
+            in.msg_hdr.msg_iovlen = 1;
+            received += ::recvmmsg(socket.number(), &in, 1, MSG_DONTWAIT, nullptr) == 1 ? 1 : 0;
+        }
+        const auto taken = ::sendmmsg(sockets[0].number(), out.data(), static_cast<unsigned>(count), MSG_DONTWAIT);
+        if (taken > 0) sent += static_cast<std::uint64_t>(taken);
+    }
+    say(fmt::format(R"({{"sent": {}, "received": {}}})", sent, received));
+    return 0;
+}
+
 int udp_echo(const std::vector<std::string>& words) {
     const auto socket = udp_socket(parse_endpoint(words.at(1)));
     say(std::to_string(local_endpoint(socket).port));
@@ -274,6 +318,7 @@ int play(const std::vector<std::string>& words) {
     if (role == "spin") return spin();
     if (role == "sender") return sender(words);
     if (role == "paced-echo") return paced_echo(words);
+    if (role == "fleet") return fleet(words);
     if (role == "udp-echo") return udp_echo(words);
     if (role == "tcp-echo") return tcp_echo(words);
     if (role == "tcp-reply") return tcp_reply(words);

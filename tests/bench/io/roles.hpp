@@ -12,6 +12,7 @@ namespace servobus::bench {
 ///     spin                                    keeps a core busy
 ///     sender FROM TO INTERVAL_US CONNECTION   the bare paced sender: sleep to an absolute deadline, send
 ///     paced-echo FROM TO INTERVAL_US          the same, and the outputs that came last go into what is sent
+///     fleet FROM TO COUNT INTERVAL_US         one end of COUNT bare connections between consecutive addresses
 ///     udp-echo ADDRESS, tcp-echo ADDRESS      sends back what comes
 ///     tcp-reply ADDRESS REQUEST REPLY         answers each REQUEST octets with REPLY octets, to many peers
 ///     udp-sink ADDRESS                        counts what comes

@@ -17,8 +17,8 @@ struct Settings {
     std::uint32_t interval_us = 1000;
     double load_rate = 80'000;        ///< attributes a second
     std::size_t load_attributes = 1;  ///< with each request
-    std::size_t drives = 128;
-    std::vector<std::uint32_t> many_intervals_us{2000, 1000};
+    std::vector<std::size_t> drives{1, 7, 8, 32, 128};
+    std::vector<std::uint32_t> many_intervals_us{1000};
     /// Of the first drive; others follow it. The measuring originator has an address beside them.
     std::uint32_t address = 0;
     [[nodiscard]] std::uint32_t own_address() const { return (address & 0xFFFFFF00) | 250; }
