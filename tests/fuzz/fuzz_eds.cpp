@@ -1,10 +1,9 @@
 // Data sheets: as text, as what they mean, and by the lint.
-#include <cstddef>
-#include <cstdint>
-
+#include "tests/fuzz/targets.hpp"
 #include "tests/support/every_sheet.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    servobus::test::read_everything({reinterpret_cast<const char*>(data), size});
-    return 0;
-}
+namespace servobus::fuzz {
+
+void eds(cip::ByteView input) { test::read_everything({reinterpret_cast<const char*>(input.data()), input.size()}); }
+
+}  // namespace servobus::fuzz

@@ -8,11 +8,11 @@
 #include "adapter/address_manager.hpp"
 #include "adapter/ring_node.hpp"
 #include "adapter/usable_address.hpp"
-#include "cip/wire.hpp"
+#include "tests/fuzz/input.hpp"
+#include "tests/fuzz/targets.hpp"
 #include "tests/support/everything.hpp"
 
-using namespace servobus;
-
+namespace servobus::fuzz {
 namespace {
 
 constexpr std::size_t longest_frame = 1518;
@@ -40,9 +40,9 @@ void step(enip::LinkUser& user, std::uint8_t what, const enip::HeardFrame& frame
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    cip::Reader reader(cip::ByteView(data, size));
-    const auto how = reader.u8();
+void link(cip::ByteView octets) {
+    Input input(octets);
+    const auto how = input.u8();
     adapter::Network network;
     network.settings.method = static_cast<adapter::AddressMethod>(how % 3);
     network.settings.configured = {.address = 0xC0A80264, .mask = 0xFFFFFF00};
@@ -52,15 +52,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     enip::Time now{std::chrono::hours(1)};
     manager.restart();
     manager.on_timer(now);
-    while (reader.remaining() > 0) {
-        const auto what = reader.u8();
-        const enip::HeardFrame frame{reader.take(std::min<std::size_t>(reader.u16(), reader.remaining())),
-                                     (what & 0x10U) != 0};
+    while (!input.over()) {
+        const auto what = input.u8();
+        const auto heard = input.long_piece();
+        const enip::HeardFrame frame{heard, (what & 0x10U) != 0};
         step(manager, what, frame, now);
         step(node, what, frame, now);
         const auto address = manager.address();
         test::require(!address || adapter::is_usable(network.state.interface), "the address is one of a host");
         test::require(address.has_value() == network.state.address.configured, "status and address agree");
     }
-    return 0;
 }
+
+}  // namespace servobus::fuzz

@@ -1,26 +1,43 @@
-// Paths: as segments, as the target of a request, and for people.
-#include <cstddef>
-#include <cstdint>
-
+// Paths: as segments, as the target of a request, as a route and a key, and for people.
+#include "adapter/forward_open_checks.hpp"
+#include "cip/forward_open.hpp"
 #include "cip/path.hpp"
 #include "cip/request_path.hpp"
+#include "scanner/connection_path.hpp"
+#include "tests/fuzz/targets.hpp"
 #include "tests/support/everything.hpp"
 
-using namespace servobus;
+namespace servobus::fuzz {
+namespace {
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const cip::ByteView octets(data, size);
-    const auto path = cip::Path::parse(octets);
-    if (path) {
-        const auto encoded = path->encode();
-        test::require(encoded.size() <= octets.size(), "a path is not written longer than it was read", octets);
-        test::require(encoded.size() % 2 == 0, "a path is a whole number of words", octets);
-        const auto again = cip::Path::parse(encoded);
-        test::require(again && *again == *path, "a path comes out the same", octets);
-        (void)cip::describe(*path);
+using test::require;
+
+constexpr cip::NodeIdentity node{1389, 43, 0x7509, 1, 1};
+
+void use(const cip::Path& path, cip::ByteView octets) {
+    const auto encoded = path.encode();
+    require(encoded.size() <= octets.size(), "a path is not written longer than it was read", octets);
+    require(encoded.size() == 2 * path.words(), "a path says how many words it has", octets);
+    const auto again = cip::Path::parse(encoded);
+    require(again && *again == path, "a path comes out the same", octets);
+    require(path.segments.empty() || !cip::describe(path).empty(), "a path has words", octets);
+    (void)cip::production_inhibit_time(path);
+    if (const auto rest = adapter::check_key(path, node)) {
+        require(rest->size() <= path.segments.size(), "key and hop are in the path", octets);
     }
-    const auto target = cip::RequestPath::parse(octets);
-    test::require(!target || path, "what a request is addressed to is a path", octets);
-    if (target && target->key) (void)cip::mismatch(*target->key, cip::NodeIdentity{1389, 43, 0x7509, 1, 1});
-    return 0;
 }
+
+}  // namespace
+
+void path(cip::ByteView octets) {
+    const auto path = cip::Path::parse(octets);
+    if (path) use(*path, octets);
+    const auto target = cip::RequestPath::parse(octets);
+    require(!target || path, "what a request is addressed to is a path", octets);
+    if (target && target->key) (void)cip::mismatch(*target->key, node);
+    const auto route = adapter::check_route(octets);
+    require(!route.ok() || path, "a route that leads here is a path", octets);
+    (void)scanner::ConnectionPath::read(octets);
+}
+
+}  // namespace servobus::fuzz
