@@ -65,16 +65,11 @@ TEST_P(EachTarget, HoldsForItsInputs) {
     const auto inputs = read_inputs("corpus", GetParam().name);
     ASSERT_FALSE(inputs.empty()) << "there are no inputs in " << folder("corpus") / GetParam().name;
     run_all(GetParam(), inputs, 0);
+    run_all(GetParam(), read_inputs("regressions", GetParam().name), 0);
 }
 
 TEST_P(EachTarget, HoldsForChangesOfItsInputs) {
     run_all(GetParam(), read_inputs("corpus", GetParam().name), changes_of_each);
-}
-
-TEST_P(EachTarget, HoldsForWhatWasOnceFound) {
-    const auto inputs = read_inputs("regressions", GetParam().name);
-    if (inputs.empty()) GTEST_SKIP() << "nothing has been found with this target";
-    run_all(GetParam(), inputs, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, EachTarget, testing::ValuesIn(targets().begin(), targets().end()),

@@ -59,7 +59,8 @@ void identities(cip::ByteView octets) {
             const auto parsed = enip::IdentityItem::parse(item.data);
             if (!parsed) continue;
             const auto identity = scanner::identity_of(*parsed);
-            require(identity.state == parsed->state && identity.product_name == parsed->product_name,
+            // A state of 0xFF is none (R-CPF-5).
+            require(identity.state.value_or(0xFF) == parsed->state && identity.product_name == parsed->product_name,
                     "an identity is that of its item", item.data);
             (void)scanner::status_text(identity.status);
             (void)scanner::state_text(parsed->state);
