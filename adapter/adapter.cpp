@@ -18,6 +18,8 @@
 #include "adapter/port_object.hpp"
 #include "adapter/qos_object.hpp"
 #include "adapter/tcp_ip_object.hpp"
+#include "adapter/time_sync.hpp"
+#include "adapter/time_sync_object.hpp"
 #include "adapter/unkept_reply.hpp"
 #include "cip/wire.hpp"
 
@@ -148,7 +150,7 @@ void Adapter::build_objects() {
     auto assembly = std::make_unique<AssemblyObject>(device_);
     assembly->ask_owned([this] { return io().owner() != nullptr; });
     drive_io_ = std::make_unique<DriveIo>(device_, *assembly, log_);
-    drive_io_->set_epoch(epoch_);
+    drive_io_->set_day_clock(system_time_ahead());
     router_.add(std::move(assembly));
     router_.add(std::make_unique<TcpIpObject>(network_, TcpIpSurroundings{
                                                             .io_is_open = [this] { return io().size() > 0; },
@@ -156,7 +158,7 @@ void Adapter::build_objects() {
                                                             .address_changed = [this] { wants_address_ = 0; },
                                                         }));
     router_.add(std::make_unique<EthernetLinkObject>(network_));
-    router_.add(std::make_unique<QosObject>(network_.settings.qos));
+    build_time_objects();
     router_.add(std::make_unique<DlrObject>(network_.state.ring));
     auto file_object = std::make_unique<FileObject>(files_);
     file_object_ = file_object.get();
@@ -171,6 +173,25 @@ void Adapter::build_objects() {
     std::set<std::uint16_t> classes;
     for (const auto& row : device_.store().table()) classes.insert(row.cip.class_id);
     for (const auto id : classes) router_.add(std::make_unique<ParameterObject>(device_, id));
+}
+
+// The DSCP values of PTP are those of a device that has it (R-QOS-2).
+void Adapter::build_time_objects() {
+    router_.add(std::make_unique<QosObject>(network_.settings.qos, time_sync_ != nullptr));
+    if (time_sync_ == nullptr) return;
+    auto object = std::make_unique<TimeSyncObject>(*time_sync_, network_, device_.identity());
+    time_sync_object_ = object.get();
+    router_.add(std::move(object));
+}
+
+void Adapter::follow_time(const TimeSync& known) {
+    time_sync_ = &known;
+    build_time_objects();
+}
+
+// System time is that of PTP, once its offset to UTC is known (R-TSY-3).
+std::chrono::nanoseconds Adapter::system_time_ahead() const {
+    return time_sync_ != nullptr ? day_ahead_ + time_sync_->utc_offset : day_ahead_;
 }
 
 // The buffers are those of the replies that peers have not taken yet.
@@ -857,7 +878,8 @@ void Adapter::advance(enip::Time now) {
     faults_.advance(now);
     file_object_->on_time(faults_.bus_time(now));
     advance_firmware(now);
-    drive_io_->set_epoch(epoch_ + std::chrono::duration_cast<std::chrono::microseconds>(faults_.frozen()));
+    drive_io_->set_day_clock(system_time_ahead() + faults_.frozen());
+    if (time_sync_object_ != nullptr) time_sync_object_->on_time(now, system_time_ahead());
     take_held_octets(now);
 }
 
@@ -994,11 +1016,6 @@ void Adapter::note_lights() {
         log_(level, fmt::format("light {}: {}{}{}", light_names[i], name(now[i].mode),
                                 now[i].meaning.empty() ? "" : ", ", now[i].meaning));
     }
-}
-
-void Adapter::set_epoch(std::chrono::microseconds epoch) {
-    epoch_ = epoch;
-    drive_io_->set_epoch(epoch);
 }
 
 std::vector<std::pair<std::uint32_t, enip::Endpoint>> Adapter::open_sessions() const {

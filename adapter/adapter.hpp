@@ -49,6 +49,8 @@
 namespace servobus::adapter {
 
 class FileObject;
+class TimeSyncObject;
+struct TimeSync;
 
 /// Why the address is to be given up.
 enum class AddressChange : std::uint8_t { set, restart };
@@ -77,6 +79,7 @@ public:
     [[nodiscard]] enip::IoQueue& io_queue() override { return io_queue_; }
     void on_timer(enip::Time now) override;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const override;
+    void on_day_clock(std::chrono::nanoseconds ahead) override { day_ahead_ = ahead; }
     [[nodiscard]] std::vector<ConnectionId> take_expired() override;
     [[nodiscard]] std::vector<ConnectionId> take_ready() override;
 
@@ -150,8 +153,9 @@ public:
     /// The I/O connections, for those who look at them.
     [[nodiscard]] const IoConnections& io() const { return manager_->io(); }
     [[nodiscard]] const ConnectionManager& connection_manager() const { return *manager_; }
-    /// What is to be added to `now` for the time of day: microseconds since 1970. Time stamps count from there.
-    void set_epoch(std::chrono::microseconds epoch);
+    /// The device has a Time Sync object from now on, which tells what is known there; that outlives the adapter. Before
+    /// anybody is served.
+    void follow_time(const TimeSync& known);
     /// Who tells how much of a CPU the device uses, in tenths of a percent: attribute 11 of the Connection Manager.
     void measure_cpu(std::function<std::uint16_t()> measure) { measure_cpu_ = std::move(measure); }
     /// What the lights of the module tell, and what they show of it.
@@ -180,6 +184,8 @@ private:
 
     void build_objects();
     [[nodiscard]] Resources resources() const;
+    void build_time_objects();
+    [[nodiscard]] std::chrono::nanoseconds system_time_ahead() const;
     [[nodiscard]] std::optional<OpenRefusal> refuse_open(const cip::ForwardOpen& open);
     void advance_firmware(enip::Time now);
     void start_firmware();
@@ -248,8 +254,10 @@ private:
     IdentityObject* identity_ = nullptr;  ///< owned by router_
     FileObject* file_object_ = nullptr;   ///< owned by router_
     std::unique_ptr<DriveIo> drive_io_;
-    ConnectionManager* manager_ = nullptr;  ///< owned by router_
-    std::chrono::microseconds epoch_{0};
+    ConnectionManager* manager_ = nullptr;        ///< owned by router_
+    const TimeSync* time_sync_ = nullptr;         ///< null: the device has no Time Sync object
+    TimeSyncObject* time_sync_object_ = nullptr;  ///< owned by router_
+    std::chrono::nanoseconds day_ahead_{0};       ///< of the clock that `now` is of
     std::map<ConnectionId, std::unique_ptr<Connection>> connections_;
     ConnectionId last_id_ = 0;
     enip::IoQueue io_queue_;

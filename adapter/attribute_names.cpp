@@ -16,7 +16,7 @@ struct Name {
     std::string_view text;
 };
 
-// Those of the standard objects that can be set (R-ASM, R-CM-2, R-TCP, R-ETH, R-QOS-2).
+// Those of the standard objects that can be set (R-ASM, R-CM-2, R-TCP, R-ETH, R-QOS-2, R-TSY-1).
 constexpr auto names = std::to_array<Name>({
     {0x04, 3, "Assembly.Data"},
     {0x06, 1, "Connection Manager.Open Requests"},
@@ -27,7 +27,11 @@ constexpr auto names = std::to_array<Name>({
     {0x06, 6, "Connection Manager.Close Format Requests"},
     {0x06, 7, "Connection Manager.Close Other Requests"},
     {0x06, 8, "Connection Manager.Connection Timeouts"},
+    {0x43, 1, "Time Sync.PTPEnable"},
+    {0x43, 6, "Time Sync.MaxOffsetFromMaster"},
     {0x48, 1, "QoS.802.1Q Tag Enable"},
+    {0x48, 2, "QoS.DSCP PTP Event"},
+    {0x48, 3, "QoS.DSCP PTP General"},
     {0x48, 4, "QoS.DSCP Urgent"},
     {0x48, 5, "QoS.DSCP Scheduled"},
     {0x48, 6, "QoS.DSCP High"},

@@ -29,7 +29,7 @@ DriveIo::DriveIo(drive::Device& device, AssemblyObject& assemblies, const Log& l
 
 cip::ByteView DriveIo::inputs(const assemblies::Layout& layout, cip::Time now) {
     auto& [image, octets, refused] = bound(layout);
-    const auto time = std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch()) + epoch_;
+    const auto time = std::chrono::floor<std::chrono::microseconds>(now.time_since_epoch() + day_ahead_);
     image.pack(time.count(), octets);
     return octets;
 }

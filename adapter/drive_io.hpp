@@ -31,8 +31,8 @@ public:
     /// The controller went to idle, closed its connection, or has been lost: the drive stops (docs/motion.md).
     void lose_controller();
 
-    /// What is added to the time of this process to get that of the time stamps: microseconds since 1970 (R-IO-10).
-    void set_epoch(std::chrono::microseconds epoch) { epoch_ = epoch; }
+    /// How far the clock of the time stamps, which counts from 1970, is ahead of that of `now` (R-IO-10).
+    void set_day_clock(std::chrono::nanoseconds ahead) { day_ahead_ = ahead; }
 
 private:
     struct Bound {
@@ -46,7 +46,7 @@ private:
     AssemblyObject& assemblies_;
     const Log& log_;
     std::map<std::uint16_t, Bound> bound_;
-    std::chrono::microseconds epoch_{0};
+    std::chrono::nanoseconds day_ahead_{0};
 };
 
 }  // namespace servobus::adapter

@@ -26,12 +26,14 @@
 #include "adapter/file_settings.hpp"
 #include "adapter/flash_file.hpp"
 #include "adapter/fleet.hpp"
+#include "adapter/ptp_client.hpp"
 #include "adapter/ready_line.hpp"
 #include "adapter/ring_node.hpp"
 #include "adapter/scenario.hpp"
 #include "adapter/state_storing.hpp"
 #include "adapter/status_line.hpp"
 #include "adapter/terminal_sink.hpp"
+#include "adapter/time_sync.hpp"
 #include "adapter/version.hpp"
 #include "drive/xenax.hpp"
 #include "enip/asio/cpu_load.hpp"
@@ -55,9 +57,11 @@ using servobus::adapter::Fleet;
 using servobus::adapter::LineSink;
 using servobus::adapter::LogLevel;
 using servobus::adapter::LogLine;
+using servobus::adapter::PtpClient;
 using servobus::adapter::RingNode;
 using servobus::adapter::StateDirectory;
 using servobus::adapter::StateStoring;
+using servobus::adapter::TimeSync;
 using servobus::adapter::Timetable;
 using servobus::enip::asio::CpuLoad;
 using servobus::enip::asio::Listening;
@@ -76,6 +80,9 @@ struct Arguments {
     std::optional<std::string> manage_interface;
     std::vector<std::string> ring_ports;
     bool ring_announce = false;
+    bool time_sync = false;
+    std::string ptp_socket = "/var/run/ptp4l";
+    std::uint8_t ptp_domain = 0;
     std::optional<std::uint16_t> port;
     std::optional<std::uint16_t> io_port;
     std::optional<std::size_t> count;
@@ -174,6 +181,19 @@ void add_scheduling_options(CLI::App& app, servobus::enip::asio::Scheduling& sch
     app.add_option("--cpu", scheduling.cpu, "The only CPU that it runs on")->type_name("N")->check(CLI::Range(0, 1023));
 }
 
+void add_time_options(CLI::App& app, Arguments& arguments) {
+    auto* time_sync = app.add_flag("--time-sync", arguments.time_sync,
+                                   "The drives have a Time Sync object, which tells what ptp4l on this machine knows");
+    app.add_option("--ptp-socket", arguments.ptp_socket, "Socket of ptp4l for its management")
+        ->capture_default_str()
+        ->type_name("PATH")
+        ->needs(time_sync);
+    app.add_option("--ptp-domain", arguments.ptp_domain, "Domain of ptp4l")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 255))
+        ->needs(time_sync);
+}
+
 // Nullopt: go on. Otherwise the exit code: help was asked for, or the usage is wrong.
 std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
     CLI::App app("A virtual Jenny Science XENAX Xvi servo drive on EtherNet/IP.", "servobus-adapter");
@@ -211,6 +231,7 @@ std::optional<int> parse(int argc, char** argv, Arguments& arguments) {
         ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}));
     add_state_options(app, arguments);
     add_machine_options(app, arguments);
+    add_time_options(app, arguments);
     add_protection_options(app, arguments);
     add_scheduling_options(app, arguments.scheduling);
     app.set_version_flag("--version", std::string("servobus-adapter ") + servobus::adapter::version);
@@ -318,13 +339,6 @@ void make_room_for_descriptors(const servobus::adapter::Limits& limits, std::siz
     }
 }
 
-// What is to be added to the clock of this process for microseconds since 1970.
-std::chrono::microseconds epoch_of_steady_clock() {
-    const auto day = std::chrono::system_clock::now().time_since_epoch();
-    const auto steady = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::microseconds>(day - steady);
-}
-
 std::uint64_t unpredictable_seed() {
     std::random_device source;
     return std::uint64_t{source()} << 32 | source();
@@ -423,7 +437,6 @@ void read_port(const std::string& interface, servobus::adapter::NetworkState& ne
 }
 
 void tell_of_host(Adapter& adapter) {
-    adapter.set_epoch(epoch_of_steady_clock());
     adapter.measure_cpu([load = std::make_shared<CpuLoad>()] { return load->read(); });
 }
 
@@ -501,6 +514,13 @@ std::optional<int> join_ring(TargetServer& server, RingNode& node, const Argumen
     return error ? std::optional(fail(cannot_listen, error->reason)) : std::nullopt;
 }
 
+// Nullopt, or the exit code.
+std::optional<int> follow_ptp(TargetServer& server, PtpClient& client, const Arguments& arguments) {
+    if (!arguments.time_sync) return std::nullopt;
+    const auto error = server.converse(client, arguments.ptp_socket);
+    return error ? std::optional(fail(wrong_usage, error->reason)) : std::nullopt;
+}
+
 int serve(const Config& config, const Files& files, const std::vector<std::string>& addresses,
           const Arguments& arguments, std::optional<StateDirectory> state) {
     const auto& controls = arguments.controls;
@@ -511,6 +531,8 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
         config.log_level, terminal ? spdlog::sink_ptr(terminal) : std::make_shared<spdlog::sinks::stderr_sink_st>());
     make_room_for_descriptors(config.limits, addresses.size(), *logger);
     const auto log = [&](LogLevel level, std::string_view line) { logger->log(to_spdlog(level), line); };
+    TimeSync time_sync;  // of this machine, and so of all its drives
+    PtpClient ptp(time_sync, arguments.ptp_domain, servobus::adapter::Log(log));
     Fleet fleet(config, addresses, unpredictable_seed(), log, files.device, files.scenario);
     if (files.flash) {
         if (const auto wrong = fleet.install(*files.flash)) {
@@ -521,6 +543,7 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
     Control control(fleet[0].adapter, axis_of(config), addresses[0]);
     for (std::size_t i = 1; i < fleet.size(); ++i) control.add(fleet[i].adapter, addresses[i]);
     for (std::size_t i = 0; i < fleet.size(); ++i) tell_of_host(fleet[i].adapter);
+    for (std::size_t i = 0; arguments.time_sync && i < fleet.size(); ++i) fleet[i].adapter.follow_time(time_sync);
     auto& network = fleet[0].adapter.network();
     std::optional<AddressManager> manager;
     RingNode node(network.state, servobus::adapter::Log(log));
@@ -545,6 +568,7 @@ int serve(const Config& config, const Files& files, const std::vector<std::strin
         return *code;
     }
     if (const auto code = join_ring(server, node, arguments)) return *code;
+    if (const auto code = follow_ptp(server, ptp, arguments)) return *code;
     if (const auto code = serve_lines(server, controls, control)) return *code;
     server.catch_signals();  // before anybody is told that it listens
     if (arguments.ready_json) {

@@ -1,4 +1,4 @@
-// What can be set of the device's network, and is kept over a power cycle: behind the classes 0xF5, 0xF6 and 0x48.
+// What can be set of the device's network, and is kept over a power cycle: behind the classes 0xF5, 0xF6, 0x48 and 0x43.
 #pragma once
 
 #include <array>
@@ -37,13 +37,23 @@ struct MulticastAllocation {
 /// Attribute 11 of 0xF5 (R-TCP-10): all zero while no conflict has been seen.
 using LastConflict = std::array<std::uint8_t, 35>;
 
-/// DSCP values of 0x48 by attribute 4 to 8 (R-QOS-2).
+/// DSCP values of 0x48 (R-QOS-2).
 struct QualityOfService {
     std::uint8_t tag_enable = 0;
-    /// Urgent, scheduled, high, low, explicit.
+    /// Attributes 4 to 8: urgent, scheduled, high, low, explicit.
     std::array<std::uint8_t, 5> dscp{enip::dscp_urgent, enip::dscp_scheduled, enip::dscp_high, enip::dscp_low,
                                      enip::dscp_explicit};
+    /// Attributes 2 and 3: PTP event and general messages.
+    std::array<std::uint8_t, 2> ptp_dscp{enip::dscp_ptp_event, enip::dscp_ptp_general};
     friend bool operator==(const QualityOfService&, const QualityOfService&) = default;
+};
+
+/// Of the Time Sync object (0x43).
+struct TimeSyncSettings {
+    bool enabled = true;  ///< attribute 1
+    std::uint64_t max_offset_from_master =
+        1'000'000;  ///< attribute 6, in ns: a clock that is farther off is not synchronised
+    friend bool operator==(const TimeSyncSettings&, const TimeSyncSettings&) = default;
 };
 
 struct NetworkSettings {
@@ -63,6 +73,7 @@ struct NetworkSettings {
     };
     std::array<LinkControl, 2> links{};
     QualityOfService qos;
+    TimeSyncSettings time_sync;
     friend bool operator==(const NetworkSettings&, const NetworkSettings&) = default;
 };
 

@@ -7,6 +7,8 @@ namespace servobus::adapter {
 namespace {
 
 constexpr std::uint32_t tag_enable = 1;
+constexpr std::uint32_t first_ptp_dscp = 2;
+constexpr std::uint32_t last_ptp_dscp = 3;
 constexpr std::uint32_t first_dscp = 4;
 constexpr std::uint32_t last_dscp = 8;
 constexpr std::uint8_t max_dscp = 63;
@@ -21,22 +23,28 @@ bool QosObject::offers(std::uint8_t service) const {
     return service == cip::service::get_attribute_single || service == cip::service::set_attribute_single;
 }
 
-// The manual prints Set alone; a value that cannot be read back would help nobody (R-QOS-2).
-std::optional<cip::AttributeAccess> QosObject::attribute(std::uint32_t, std::uint32_t id) const {
-    if (id != tag_enable && (id < first_dscp || id > last_dscp)) return std::nullopt;
-    return cip::AttributeAccess{true, true};
+std::uint8_t* QosObject::value(std::uint32_t id) const {
+    if (id == tag_enable) return &settings_.tag_enable;
+    if (has_ptp_ && id >= first_ptp_dscp && id <= last_ptp_dscp) return &settings_.ptp_dscp[id - first_ptp_dscp];
+    if (id >= first_dscp && id <= last_dscp) return &settings_.dscp[id - first_dscp];
+    return nullptr;
 }
 
-cip::Status QosObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value) const {
-    value.u8(id == tag_enable ? settings_.tag_enable : settings_.dscp[id - first_dscp]);
+// The manual prints Set alone; a value that cannot be read back would help nobody (R-QOS-2).
+std::optional<cip::AttributeAccess> QosObject::attribute(std::uint32_t, std::uint32_t id) const {
+    return value(id) != nullptr ? std::optional(cip::AttributeAccess{true, true}) : std::nullopt;
+}
+
+cip::Status QosObject::get(std::uint32_t, std::uint32_t id, cip::Writer& writer) const {
+    writer.u8(*value(id));
     return {};
 }
 
-cip::Status QosObject::set(std::uint32_t, std::uint32_t id, cip::ByteView value) {
-    const auto wanted = whole_value<std::uint8_t>(value);
+cip::Status QosObject::set(std::uint32_t, std::uint32_t id, cip::ByteView octets) {
+    const auto wanted = whole_value<std::uint8_t>(octets);
     if (!wanted) return wanted.error();
     if (*wanted > (id == tag_enable ? 1 : max_dscp)) return cip::GeneralStatus::invalid_attribute_value;
-    (id == tag_enable ? settings_.tag_enable : settings_.dscp[id - first_dscp]) = *wanted;
+    *value(id) = *wanted;
     return {};
 }
 

@@ -49,8 +49,14 @@ auto fields(T& interface) {
 
 template <ConstOrNot<QualityOfService> T>
 auto fields(T& qos) {
-    auto& [tag_enable, dscp] = qos;
-    return std::tuple{Field{"tag_enable", tag_enable}, Field{"dscp", dscp}};
+    auto& [tag_enable, dscp, ptp_dscp] = qos;
+    return std::tuple{Field{"tag_enable", tag_enable}, Field{"dscp", dscp}, Field{"ptp_dscp", ptp_dscp}};
+}
+
+template <ConstOrNot<TimeSyncSettings> T>
+auto fields(T& time_sync) {
+    auto& [enabled, max_offset_from_master] = time_sync;
+    return std::tuple{Field{"enabled", enabled}, Field{"max_offset_from_master", max_offset_from_master}};
 }
 
 template <ConstOrNot<NetworkSettings::LinkControl> T>
@@ -67,8 +73,8 @@ auto fields(T& multicast) {
 
 template <ConstOrNot<NetworkSettings> T>
 auto fields(T& settings) {
-    auto& [method, configured, host_name, ttl, multicast, select_acd, last_conflict, inactivity_seconds, links, qos] =
-        settings;
+    auto& [method, configured, host_name, ttl, multicast, select_acd, last_conflict, inactivity_seconds, links, qos,
+           time_sync] = settings;
     return std::tuple{Field{"method", method},
                       Field{"configured", configured},
                       Field{"host_name", host_name},
@@ -78,7 +84,8 @@ auto fields(T& settings) {
                       Field{"last_conflict", last_conflict},
                       Field{"inactivity_seconds", inactivity_seconds},
                       Field{"links", links},
-                      Field{"qos", qos}};
+                      Field{"qos", qos},
+                      Field{"time_sync", time_sync}};
 }
 
 template <ConstOrNot<FirmwareVersion> T>

@@ -1,6 +1,7 @@
 // What a server of this protocol is to its sockets: octets and time in, octets and the next deadline out (decision 2).
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -62,6 +63,10 @@ public:
     /// To be called when serving starts, and at or after next_deadline().
     virtual void on_timer(Time now) = 0;
     [[nodiscard]] virtual std::optional<Time> next_deadline() const = 0;
+
+    /// How far the clock of the day, which counts from 1970 in UTC, is ahead of that of `now`: to be told again and again,
+    /// because somebody may set it or keep it right.
+    virtual void on_day_clock(std::chrono::nanoseconds /*ahead*/) {}
 
     /// Connections that on_timer() or on_open() has decided to close.
     [[nodiscard]] virtual std::vector<ConnectionId> take_expired() = 0;

@@ -19,6 +19,7 @@
 
 #include "enip/asio/line_server.hpp"
 #include "enip/asio/link_station.hpp"
+#include "enip/asio/local_exchange.hpp"
 #include "enip/asio/managed_interface.hpp"
 #include "enip/asio/target_station.hpp"
 
@@ -45,6 +46,7 @@ public:
     boost::system::result<std::array<std::uint8_t, 6>, ListenError> manage(Target& target, AddressUser& user,
                                                                            ManageOptions options);
     std::optional<ListenError> join_ring(LinkUser& user, const std::vector<std::string>& interfaces);
+    std::optional<ListenError> converse(MessageUser& user, const std::string& path);
     std::optional<ListenError> serve_lines(const LineService& service, const std::string& where);
     void every(std::chrono::milliseconds interval, std::function<void(Time)> look);
     void catch_signals();
@@ -78,6 +80,7 @@ private:
     std::vector<std::unique_ptr<TargetStation>> stations_;
     std::unique_ptr<ManagedInterface> managed_;
     std::unique_ptr<LinkStation> ring_;
+    std::unique_ptr<LocalExchange> local_;
     std::vector<std::unique_ptr<LineServer>> lines_;
     std::vector<std::unique_ptr<Onlooker>> onlookers_;
     IoQueue gathered_;  ///< of several stations, on its way through the socket of the first
@@ -106,6 +109,12 @@ boost::system::result<std::array<std::uint8_t, 6>, ListenError> TargetServer::Im
 std::optional<ListenError> TargetServer::Impl::join_ring(LinkUser& user, const std::vector<std::string>& interfaces) {
     ring_ = std::make_unique<LinkStation>(context_, user, Traffic::ring, [] {});
     if (auto reason = ring_->open(interfaces)) return ListenError{*std::move(reason)};
+    return std::nullopt;
+}
+
+std::optional<ListenError> TargetServer::Impl::converse(MessageUser& user, const std::string& path) {
+    local_ = std::make_unique<LocalExchange>(context_, user);
+    if (auto reason = local_->open(path)) return ListenError{*std::move(reason)};
     return std::nullopt;
 }
 
@@ -149,6 +158,7 @@ void TargetServer::Impl::run(const std::function<void()>& stopping) {
     for (const auto& station : stations_) station->start();
     if (managed_) managed_->start();
     if (ring_) ring_->start();
+    if (local_) local_->start();
     for (const auto& lines : lines_) lines->start();
     for (const auto& onlooker : onlookers_) net::co_spawn(context_, look_on(*onlooker), net::detached);
     context_.run();
@@ -210,6 +220,7 @@ void TargetServer::Impl::shut_down() {
     for (const auto& station : stations_) station->shut_down();
     if (managed_) managed_->shut_down();  // when nobody uses the address any more
     if (ring_) ring_->shut_down();
+    if (local_) local_->shut_down();
 }
 
 TargetServer::TargetServer(std::function<void(const std::string&)> problem)
@@ -228,6 +239,10 @@ boost::system::result<std::array<std::uint8_t, 6>, ListenError> TargetServer::ma
 
 std::optional<ListenError> TargetServer::join_ring(LinkUser& user, const std::vector<std::string>& interfaces) {
     return impl_->join_ring(user, interfaces);
+}
+
+std::optional<ListenError> TargetServer::converse(MessageUser& user, const std::string& path) {
+    return impl_->converse(user, path);
 }
 
 std::optional<ListenError> TargetServer::serve_lines(const LineService& service, const std::string& where) {

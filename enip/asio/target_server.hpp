@@ -14,6 +14,7 @@
 #include "enip/asio/line_service.hpp"
 #include "enip/encapsulation.hpp"
 #include "enip/link_user.hpp"
+#include "enip/message_user.hpp"
 #include "enip/target.hpp"
 #include "enip/time.hpp"
 
@@ -70,6 +71,10 @@ public:
     /// `user` hears and sends the frames of Device Level Ring on these interfaces, its first port first. It outlives the
     /// server. Before run().
     [[nodiscard]] std::optional<ListenError> join_ring(LinkUser& user, const std::vector<std::string>& interfaces);
+
+    /// `user` speaks with the program whose Unix-domain socket is at `path`, whenever it is there. It outlives the server.
+    /// Before run().
+    [[nodiscard]] std::optional<ListenError> converse(MessageUser& user, const std::string& path);
 
     /// Answers lines of text too, on the thread of run() and with the same clock as the targets: "-" means standard input
     /// and output, anything else is the path of a Unix-domain socket. Any number of these, before run().

@@ -324,7 +324,11 @@ bool TargetStation::catch_up() {
     return true;
 }
 
-Time TargetStation::now() { return latest_ = std::max(latest_, clock_now()); }
+Time TargetStation::now() {
+    latest_ = std::max(latest_, clock_now());
+    target_.on_day_clock(day_.ahead(latest_));
+    return latest_;
+}
 
 void TargetStation::after_line() {
     static_cast<void>(now());  // the line was answered with the time of now

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "enip/asio/datagram_socket.hpp"
+#include "enip/asio/day_clock.hpp"
 #include "enip/asio/interfaces.hpp"
 #include "enip/asio/io_socket.hpp"
 #include "enip/asio/target_server.hpp"
@@ -75,7 +76,7 @@ private:
     void after_event();
     /// Calls on_timer() if it is time.
     [[nodiscard]] bool catch_up();
-    /// The time for the target, which never goes back.
+    /// The time for the target, which never goes back. The target hears how far the clock of the day is ahead of it.
     [[nodiscard]] Time now();
     void mark_messages();
     void receive_io();
@@ -107,7 +108,8 @@ private:
     std::optional<Time> armed_;
     std::optional<std::uint8_t> dscp_;  ///< that messages leave with
     Time latest_{};                     ///< that the target has been told
-    unsigned place_ = 0;                ///< counts the places that it has been at
+    DayClock day_;
+    unsigned place_ = 0;  ///< counts the places that it has been at
     bool started_ = false;
     bool stopped_ = false;
 };

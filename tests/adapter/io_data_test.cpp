@@ -85,7 +85,7 @@ TEST(IoData, R_IO_2_EachInputAssemblyComesFromTheDriveOctetByOctet) {
     for (const auto& points : all_points) {
         if (points.o_to_t == 255) continue;
         IoSite site;
-        site.adapter.set_epoch(1'700'000'000'000'000us);
+        site.adapter.on_day_clock(1'700'000'000'000'000us);
         IoPeer peer(site);
         set(site, "Statusword", 0x0237);
         set(site, "MotorCurrentActualValue", 250);
