@@ -11,6 +11,7 @@ constexpr std::uint8_t management_control = 4;
 constexpr std::uint8_t no_interval = 0x7F;
 constexpr std::uint8_t get_action = 0;
 constexpr std::uint8_t response_action = 2;
+constexpr std::uint8_t slave_only_flag = 0x02;
 constexpr std::uint16_t management_tlv = 0x0001;
 constexpr std::uint16_t management_error_tlv = 0x0002;
 
@@ -123,7 +124,8 @@ std::optional<ManagementAnswer> decode_answer(cip::ByteView message) {
 std::optional<DefaultDataSet> decode_default_data_set(cip::ByteView data) {
     cip::Reader reader(data);
     DefaultDataSet set;
-    reader.take(2);  // flags, reserved
+    set.slave_only = (reader.u8() & slave_only_flag) != 0;
+    reader.take(1);
     set.ports = reader.big<std::uint16_t>();
     set.priority_1 = reader.u8();
     set.quality = read_quality(reader);

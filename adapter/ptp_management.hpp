@@ -63,6 +63,7 @@ struct ClockQuality {
 
 /// 15.5.3.3.1.
 struct DefaultDataSet {
+    bool slave_only = false;
     std::uint16_t ports = 0;
     std::uint8_t priority_1 = 128;
     ClockQuality quality;

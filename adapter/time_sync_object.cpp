@@ -125,17 +125,13 @@ void write_protocol_address(cip::Writer& value, const ClockDescription& descript
     write_array(value, description.protocol_address, address_octets);
 }
 
-// CIP counts from bit 0 what PTP counts from bit 15: ordinary, boundary, peer-to-peer and end-to-end transparent clock,
-// management node.
-std::uint16_t clock_type_of(const std::vector<PtpPort>& ports) {
-    constexpr unsigned types = 5;
-    constexpr unsigned first_bit = 0x8000;
-    const auto found = std::ranges::find_if(ports, [](const PtpPort& port) { return !!port.description; });
-    unsigned type = 0;
-    for (unsigned i = 0; found != ports.end() && i < types; ++i) {
-        if ((found->description->clock_type & first_bit >> i) != 0) type |= 1U << i;
-    }
-    return static_cast<std::uint16_t>(type);
+// The first octet of PTP's is the first one here: bit 7 ordinary clock, 6 boundary clock, 5 and 4 transparent clocks, 3
+// management node. Bit 8 is CIP's own.
+std::uint16_t clock_type_of(const PtpNode& node) {
+    constexpr unsigned slave_only = 0x0100;
+    const auto found = std::ranges::find_if(node.ports, [](const PtpPort& port) { return !!port.description; });
+    const unsigned type = found != node.ports.end() ? found->description->clock_type >> 8U : 0U;
+    return static_cast<std::uint16_t>(type | (node.own.slave_only ? slave_only : 0U));
 }
 
 std::string user_description_of(const std::vector<PtpPort>& ports) {
@@ -255,7 +251,7 @@ cip::Status TimeSyncObject::get(std::uint32_t, std::uint32_t id, cip::Writer& va
             value.u8(node.own.domain);
             break;
         case clock_type:
-            value.u16(clock_type_of(ports));
+            value.u16(clock_type_of(node));
             break;
         case product_description_text:
             write_text(value, product_description());

@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "adapter/time_sync.hpp"
 #include "tests/adapter/io_site.hpp"
 
 namespace servobus::test {
@@ -113,6 +114,31 @@ TEST(IoData, R_IO_2_EachInputAssemblyComesFromTheDriveOctetByOctet) {
         EXPECT_EQ(sent[0].route.peer, (enip::Endpoint{IoPeer::usual_address, 2222}));
         EXPECT_EQ(link.reply.t_to_o_id, 0x0A110001U);
     }
+}
+
+// Somebody sets the clock, or PTP keeps it right: the time stamps are those of the clock as it is now, to the
+// microsecond.
+TEST(IoData, R_IO_10_TimeStampsFollowTheClockOfTheDay) {
+    IoSite site;
+    IoPeer peer(site);
+    const adapter::TimeSync known{.utc_offset = 37s};
+    (void)peer.must_open(io_open(1, 112, 113));
+    const auto stamp = [&] {
+        site.advance(10ms);
+        const auto sent = site.take();
+        if (sent.size() != 1) return microseconds(0);
+        const auto octets = cip::ByteView(sent[0].octets).last(sizeof(std::uint64_t));
+        const auto stamped = microseconds(static_cast<std::int64_t>(cip::Reader(octets).u64()));
+        return stamped - std::chrono::floor<microseconds>(sent[0].at.time_since_epoch());
+    };
+    EXPECT_EQ(stamp(), 0us);
+    for (const auto ahead : {1'700'000'000s + 0ns, 1'700'000'000s + 1us, 1'600'000'000s + 1999ns, -1h + 0ns}) {
+        site.adapter.on_day_clock(ahead);
+        EXPECT_EQ(stamp(), std::chrono::floor<microseconds>(ahead));
+    }
+    site.adapter.on_day_clock(1'700'000'000s);
+    site.adapter.follow_time(known);  // R-TSY-3: the time of PTP
+    EXPECT_EQ(stamp(), 1'700'000'037s);
 }
 
 TEST(IoData, R_IO_5_NewDataHasANewCountAndTheSameDataKeepsIt) {
