@@ -132,7 +132,8 @@ TEST(IoData, R_IO_10_TimeStampsFollowTheClockOfTheDay) {
         return stamped - std::chrono::floor<microseconds>(sent[0].at.time_since_epoch());
     };
     EXPECT_EQ(stamp(), 0us);
-    for (const auto ahead : {1'700'000'000s + 0ns, 1'700'000'000s + 1us, 1'600'000'000s + 1999ns, -1h + 0ns}) {
+    for (const std::chrono::nanoseconds ahead :
+         std::vector<std::chrono::nanoseconds>{1'700'000'000s, 1'700'000'000s + 1us, 1'600'000'000s + 1999ns, -1h}) {
         site.adapter.on_day_clock(ahead);
         EXPECT_EQ(stamp(), std::chrono::floor<microseconds>(ahead));
     }
