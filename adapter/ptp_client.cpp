@@ -23,8 +23,9 @@ std::string words(const ClockIdentity& identity) {
 
 template <class T>
 bool fill(T& place, std::optional<T> value) {
-    if (value) place = *std::move(value);
-    return value.has_value();
+    if (!value) return false;
+    place = *std::move(value);
+    return true;
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ bool QosObject::offers(std::uint8_t service) const {
     return service == cip::service::get_attribute_single || service == cip::service::set_attribute_single;
 }
 
-std::uint8_t* QosObject::value(std::uint32_t id) const {
+std::uint8_t* QosObject::stored(std::uint32_t id) const {
     if (id == tag_enable) return &settings_.tag_enable;
     if (has_ptp_ && id >= first_ptp_dscp && id <= last_ptp_dscp) return &settings_.ptp_dscp[id - first_ptp_dscp];
     if (id >= first_dscp && id <= last_dscp) return &settings_.dscp[id - first_dscp];
@@ -32,19 +32,19 @@ std::uint8_t* QosObject::value(std::uint32_t id) const {
 
 // The manual prints Set alone; a value that cannot be read back would help nobody (R-QOS-2).
 std::optional<cip::AttributeAccess> QosObject::attribute(std::uint32_t, std::uint32_t id) const {
-    return value(id) != nullptr ? std::optional(cip::AttributeAccess{true, true}) : std::nullopt;
+    return stored(id) != nullptr ? std::optional(cip::AttributeAccess{true, true}) : std::nullopt;
 }
 
-cip::Status QosObject::get(std::uint32_t, std::uint32_t id, cip::Writer& writer) const {
-    writer.u8(*value(id));
+cip::Status QosObject::get(std::uint32_t, std::uint32_t id, cip::Writer& value) const {
+    value.u8(*stored(id));
     return {};
 }
 
-cip::Status QosObject::set(std::uint32_t, std::uint32_t id, cip::ByteView octets) {
-    const auto wanted = whole_value<std::uint8_t>(octets);
+cip::Status QosObject::set(std::uint32_t, std::uint32_t id, cip::ByteView value) {
+    const auto wanted = whole_value<std::uint8_t>(value);
     if (!wanted) return wanted.error();
     if (*wanted > (id == tag_enable ? 1 : max_dscp)) return cip::GeneralStatus::invalid_attribute_value;
-    *value(id) = *wanted;
+    *stored(id) = *wanted;
     return {};
 }
 

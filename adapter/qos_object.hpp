@@ -20,7 +20,7 @@ public:
 
 private:
     /// The value behind an attribute; null: there is none of that number.
-    [[nodiscard]] std::uint8_t* value(std::uint32_t id) const;
+    [[nodiscard]] std::uint8_t* stored(std::uint32_t id) const;
 
     QualityOfService& settings_;
     bool has_ptp_;

@@ -633,6 +633,9 @@ TEST(Process, WrongUsageIsOneLineAndExitCode2) {
                                                                        {"--seed", "-1"},
                                                                        {"--control", "-", "--control", "-"},
                                                                        {"--control"},
+                                                                       {"--ptp-socket", "/run/ptp4l"},
+                                                                       {"--ptp-domain", "0"},
+                                                                       {"--time-sync", "--ptp-domain", "256"},
                                                                        {"surplus"}}) {
         const auto result = run(arguments);
         EXPECT_EQ(result.code, 2) << arguments.front();
@@ -641,6 +644,13 @@ TEST(Process, WrongUsageIsOneLineAndExitCode2) {
         EXPECT_THAT(result.errors, HasSubstr("--help"));
         EXPECT_TRUE(is_one_line(result.errors)) << result.errors;
     }
+}
+
+TEST(Process, ASocketThatHasNoSuchPathIsOneLineAndExitCode2) {
+    const auto result = run({"--port", "0", "--time-sync", "--ptp-socket", std::string(200, 'x')});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_TRUE(is_one_line(result.errors)) << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("is no path of a socket"));
 }
 
 TEST(Process, HelpAndVersionAreAnsweredOnStdout) {

@@ -284,6 +284,15 @@ TEST_F(TimeSyncObject, R_QOS_2_TheDscpOfPtpIsThere) {
     EXPECT_EQ(device_.adapter().kept().network.qos.ptp_dscp[0], 0x3F);
 }
 
+TEST_F(TimeSyncObject, AHardenedDriveRefusesToBeSet) {
+    device_.adapter().protect({.harden = true});
+    EXPECT_EQ(set(1, "00"), refused(0x10, 0x0F));
+    EXPECT_EQ(set(6, little(77)), refused(0x10, 0x0F));
+    EXPECT_EQ(device_.call("04 02 20 43 24 01 0100 0100 00"), refused(0x04, 0x0F));
+    EXPECT_EQ(get(1), told("01"));
+    EXPECT_EQ(get(6), told(little(1'000'000)));
+}
+
 TEST(NoTimeSync, D_1_NeitherTheObjectNorTheDscpOfPtpExists) {
     AdapterHarness device;
     device.register_session();

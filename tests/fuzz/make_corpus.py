@@ -270,6 +270,26 @@ def session_scripts(requests):
         piece(bytes.fromhex("63") + bytes(23)) + bytes([12, 15])
 
 
+# --- what a PTP node answers to each question of a round, as ptp4l does
+
+def ptp_scripts():
+    told = [bytes.fromhex(words) for words in (
+        "03000001 80 F8FEFFFF 81 5E88D9FFFE77A0B1 0700", "0002 FFFFFFFFFE0C0000 00000000061A0000",
+        "E6DF21FFFE788278 0003 0000 1234 7FFFFFFE 0A 06214E5D 0B E6DF21FFFE788277", "0025 3C 20",
+        "5E88D9FFFE77A0B1 0001 09 00 0000000000000000 FE 03 FD 01 00 02",
+        "8000 0A 49454545203830322E33 0006 5E88D977A0B1 0001 0004 0A010102 000000 00 02 3B3B 02 3B3B 05 5072657373"
+        "001B19000100 00")]
+    whole = b"".join(bytes([0]) + piece(octets) for octets in told)
+    yield bytes([0, 0xFF]) + whole
+    yield bytes([7, 0xFF]) + whole + bytes([0xFF]) + whole + bytes([0xFF] * 4)
+    ports = told[0][:2] + b"\0\3" + told[0][4:]
+    yield bytes([0, 0xFF, 0]) + piece(ports) + whole[2 + len(told[0]):] + bytes([1, 0, 1, 0, 0]) + piece(told[4])
+    recorded = bytes.fromhex(
+        "0D02004A000000000000000000000000000000005E88D9FFFE77A0B100000001047F0000000000000000000100000200000100162000"
+        "010000010080C8FEFFFF805E88D9FFFE77A0B10000")
+    yield bytes([0, 0xFF, 0x80]) + piece(recorded)
+
+
 # --- all of them
 
 def seeds(vectors):
@@ -324,7 +344,7 @@ def seeds(vectors):
     scripts = {"message_router": router_scripts(requests), "forward_open": open_scripts(),
                "io_packet": io_scripts(datagrams), "config": config_texts(), "scanner_replies": reply_scripts(replies),
                "file_upload": upload_scripts([message for _, message in replies if message[0] in (0xCB, 0xCF)]),
-               "session": session_scripts(requests)}
+               "ptp_answers": ptp_scripts(), "session": session_scripts(requests)}
     for target, inputs in scripts.items():
         for octets in inputs:
             yield target, octets

@@ -19,6 +19,7 @@ std::span<const Target> targets() {
         Target{"message", message},
         Target{"message_router", message_router},
         Target{"path", path},
+        Target{"ptp_answers", ptp_answers},
         Target{"scanner_replies", scanner_replies},
         Target{"session", session},
     };

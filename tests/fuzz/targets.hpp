@@ -24,6 +24,7 @@ void link(cip::ByteView input);
 void message(cip::ByteView input);
 void message_router(cip::ByteView input);
 void path(cip::ByteView input);
+void ptp_answers(cip::ByteView input);
 void scanner_replies(cip::ByteView input);
 void session(cip::ByteView input);
 
