@@ -1,10 +1,13 @@
 // servobus-adapter as a person starts it: what it says, what it exits with, and how it stops.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,6 +23,7 @@
 
 #include "enip/encapsulation.hpp"
 #include "enip/messages.hpp"
+#include "tests/adapter/ptp_node.hpp"
 #include "tests/adapter/tcp_client.hpp"
 #include "tests/support/octets.hpp"
 #include "tests/support/places.hpp"
@@ -644,6 +648,72 @@ TEST(Process, WrongUsageIsOneLineAndExitCode2) {
         EXPECT_THAT(result.errors, HasSubstr("--help"));
         EXPECT_TRUE(is_one_line(result.errors)) << result.errors;
     }
+}
+
+/// The socket of a PTP node.
+class PtpSocket {
+public:
+    explicit PtpSocket(const std::string& path) : descriptor_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+        sockaddr_un address{};
+        address.sun_family = AF_UNIX;
+        path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+        EXPECT_EQ(::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0) << path;
+    }
+    ~PtpSocket() { ::close(descriptor_); }
+    PtpSocket(const PtpSocket&) = delete;
+    PtpSocket& operator=(const PtpSocket&) = delete;
+
+    /// Answers one question, if it comes soon.
+    void serve() const {
+        pollfd waiting{descriptor_, POLLIN, 0};
+        if (::poll(&waiting, 1, 50) != 1) return;
+        std::array<std::uint8_t, 256> octets{};
+        sockaddr_un from{};
+        socklen_t length = sizeof(from);
+        auto* peer = reinterpret_cast<sockaddr*>(&from);
+        const auto size = ::recvfrom(descriptor_, octets.data(), octets.size(), 0, peer, &length);
+        ASSERT_GT(size, 0);
+        const auto answer = node_.answer(cip::ByteView(octets).first(static_cast<std::size_t>(size)));
+        EXPECT_EQ(::sendto(descriptor_, answer.data(), answer.size(), 0, peer, length),
+                  static_cast<ssize_t>(answer.size()));
+    }
+
+private:
+    int descriptor_;
+    FakePtpNode node_;
+};
+
+std::chrono::nanoseconds time_of_day() { return std::chrono::system_clock::now().time_since_epoch(); }
+
+// Its clock is that of this machine, in UTC until a master has said how far PTP time is ahead.
+TEST_F(ProcessWithConfig, TellsWhatThePtpNodeOfItsMachineTells) {
+    const auto path = (directory_ / "ptp4l").string();
+    const Program program({"--port", "0", "--time-sync", "--ptp-socket", path});
+    TcpClient client(port_in(program.first_line()));
+    ASSERT_TRUE(client.register_session());
+    const auto get = [&](unsigned attribute) {
+        return client.call(octets(fmt::format("0E 03 20 43 24 01 30 {:02X}", attribute)));
+    };
+    const auto expect_ahead = [&](std::chrono::seconds offset) {
+        constexpr auto tolerance = 50ms;  // whoever compares two clocks may be held up in between
+        const auto before = time_of_day();
+        const auto answer = get(4);
+        const auto after = time_of_day();
+        ASSERT_EQ(answer.size(), 12U);
+        const auto told = cip::Reader(cip::ByteView(answer).subspan(4)).u64();
+        const std::chrono::nanoseconds time(static_cast<std::int64_t>(told));
+        EXPECT_GE(time, before + offset - tolerance);
+        EXPECT_LE(time, after + offset + tolerance);
+    };
+    EXPECT_EQ(hex(get(2)), hex("8E 00 00 00 00"));
+    expect_ahead(0s);
+    const PtpSocket node(path);
+    for (const auto end = Clock::now() + 4 * patience; Clock::now() < end;) {
+        node.serve();
+        if (hex(get(2)) == hex("8E 00 00 00 01")) break;
+    }
+    EXPECT_EQ(hex(get(8)), hex("8E 00 00 00 E6DF21FFFE788277 0600 2100 5D4E 2500 3C00 2000 0A00 0B00"));
+    expect_ahead(37s);
 }
 
 TEST(Process, ASocketThatHasNoSuchPathIsOneLineAndExitCode2) {
