@@ -428,6 +428,8 @@ void IoSession::take(const IoArrival& arrival) {
         events_.packet(
             {.source = arrival.peer, .destination = arrival.local, .octets = arrival.octets, .time = arrival.time});
     }
+    // A datagram does not revive a connection whose time is over; the timer ends it (R-CON-18).
+    if (arrival.time >= consumer_.deadline()) return;
     using Verdict = enip::IoConsumer::Verdict;
     const auto taken = consumer_.take(arrival.packet, std::max(arrival.time, opened_at_));
     if (taken.verdict != Verdict::fresh && taken.verdict != Verdict::repeated) return;

@@ -389,6 +389,25 @@ TEST_P(EveryMultiplier, TimesOut) {  // R-CON-6, R-CON-18
 }
 INSTANTIATE_TEST_SUITE_P(IoSession, EveryMultiplier, testing::Range(std::uint8_t{0}, std::uint8_t{8}));
 
+// As at the device: what comes when the time is over changes nothing, also when nobody had the time to look before.
+TEST(IoSession, ADatagramDoesNotReviveAConnectionWhoseTimeIsOver) {  // R-CON-18
+    for (const auto late : {0ms, 25ms}) {
+        SCOPED_TRACE(late.count());
+        IoBench bench;
+        bench.run();
+        bench.receive(bench.t_to_o(1, 1));
+        bench.now += 160ms - 1us;
+        bench.receive(bench.t_to_o(2, 2));
+        ASSERT_EQ(bench.inputs.size(), 2U) << "in time";
+        bench.now += 160ms + late;
+        bench.receive(bench.t_to_o(3, 3));
+        EXPECT_EQ(bench.inputs.size(), 2U);
+        bench.pass(0ms);
+        ASSERT_EQ(bench.closed.size(), 1U);
+        EXPECT_EQ(bench.closed[0].reason, CloseReason::timed_out);
+    }
+}
+
 TEST(IoSession, AfterATimeoutItClosesAndOpensAnew) {  // R-CON-21
     IoBench bench;
     bench.run();
