@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -48,7 +49,8 @@ NetworkSettings other_settings() {
     settings.inactivity_seconds = 3600;
     settings.links[0] = {2, 100};
     settings.links[1] = {0, 10};
-    settings.qos = {1, {1, 2, 3, 4, 63}};
+    settings.qos = {1, {1, 2, 3, 4, 63}, {5, 6}};
+    settings.time_sync = {false, std::numeric_limits<std::uint64_t>::max()};
     return settings;
 }
 
@@ -71,7 +73,7 @@ TEST_F(StateText, OfEverythingComesBack) {
                             {{{2, 5}, {3, 1}}, true, false}};
     const auto document = json::parse(text(state));
     EXPECT_EQ(document["network"].size(), json::parse(text({other_settings(), {}, {}}))["network"].size());
-    EXPECT_EQ(document["network"].size(), 10U) << "every member is there";
+    EXPECT_EQ(document["network"].size(), 11U) << "every member is there";
     EXPECT_EQ(parsed(text(state)), state);
 }
 
