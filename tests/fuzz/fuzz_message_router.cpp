@@ -1,6 +1,7 @@
 // The message router with all objects of a whole device. The input is a row of requests, octet by octet or made of service,
 // class, instance, attribute and data, alone or packed into others, unconnected or over a class 3 connection. The same
-// requests have the same answers, and whatever they have set or started, the next client is served.
+// requests have the same answers, what is protected stays as it was, and whatever they have set or started, the next client is
+// served.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +22,14 @@ using test::require;
 
 constexpr std::size_t most_requests = 24;
 
-/// The first octet of each request, and of the input.
+/// The first octet of the input.
+enum Whole : std::uint8_t {
+    twice = 0x01,
+    read_only = 0x02,
+    hardened = 0x04,
+};
+
+/// The first octet of each request.
 enum How : std::uint8_t {
     structured = 0x01,
     with_attribute = 0x02,
@@ -65,7 +73,10 @@ cip::Bytes message_from(Input& input, std::uint8_t how) {
 
 class Client {
 public:
-    Client() { come(); }
+    explicit Client(adapter::Protection protection) : protection_(protection) {
+        site_.adapter().protect(protection);
+        come();
+    }
 
     void ask(std::uint8_t how, cip::ByteView message, cip::Bytes& answers) {
         if (!site_.is_open(id_)) come();  // it was a Reset
@@ -76,7 +87,17 @@ public:
         }
         if ((how & time_goes_on) != 0) site_.advance(std::chrono::milliseconds(20));
     }
-    void leave() { site_.leave(); }
+    void leave() {
+        const auto& drive = site_.adapter();
+        if (protection_.read_only) {
+            require(drive.kept() == drive.delivered(), "where nothing may be changed nothing is");
+            require(drive.io().owner() == nullptr, "where nothing may be changed nobody is the owner");
+        }
+        if (protection_.harden) {
+            require(drive.kept().network == drive.delivered().network, "protected network settings stay");
+        }
+        site_.leave();
+    }
 
 private:
     void come() {
@@ -96,6 +117,7 @@ private:
         return response;
     }
 
+    adapter::Protection protection_;
     DeviceSite site_;
     DeviceSite::Id id_ = 0;
     DeviceSite::Connected connection_{};
@@ -105,8 +127,8 @@ private:
 
 cip::Bytes run(cip::ByteView octets) {
     Input input(octets);
-    (void)input.u8();
-    Client client;
+    const auto whole = input.u8();
+    Client client({.read_only = (whole & read_only) != 0, .harden = (whole & hardened) != 0});
     cip::Bytes answers;
     for (std::size_t count = 0; count < most_requests && !input.over(); ++count) {
         const auto how = input.u8();
@@ -121,7 +143,8 @@ cip::Bytes run(cip::ByteView octets) {
 void message_router(cip::ByteView octets) {
     const auto answers = run(octets);
     // Twice the work, so the input says whether.
-    if (!octets.empty() && (octets[0] & 1) != 0) require(run(octets) == answers, "the same requests, the same answers");
+    if (!octets.empty() && (octets[0] & twice) != 0)
+        require(run(octets) == answers, "the same requests, the same answers");
 }
 
 }  // namespace servobus::fuzz

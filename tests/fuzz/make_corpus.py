@@ -171,7 +171,10 @@ def router_scripts(requests):
         listed = bytes([0x01, 0x03, class_id, 1]) + piece(words(3, 1, 2, 3))
         everything = bytes([0x01, 0x01, class_id, 1]) + piece(b"")
         together = bytes([0x09, 0x01, class_id, 1]) + piece(b"") + bytes([0x01, class_id, 0]) + piece(b"")
+        sets = b"".join(bytes([0x03, 0x10, class_id, 1, attribute]) + piece(bytes(4)) for attribute in range(1, 12))
         yield bytes([0]) + reads + listed + everything + together
+        for protection in (0, 2, 4):
+            yield bytes([protection]) + sets + bytes([0x01, 0x05, 1, 1]) + piece(b"")
 
 
 def open_scripts():
