@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 /// Of each input. More of them, SERVOBUS_FUZZ_CHANGES=10000 for example, are other ones too: a search without clang.
 std::size_t changes_of_each() {
-    constexpr std::size_t usual = 100;
+    constexpr std::size_t usual = 50;
     const char* wanted = std::getenv("SERVOBUS_FUZZ_CHANGES");
     return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : usual;
 }
