@@ -92,19 +92,25 @@ private:
 }  // namespace
 
 struct IoSocket::Incoming {
-    Incoming() : octets(new std::uint8_t[io_batch * max_io_datagram]) {}  // its pages come into being when needed
-
-    void prepare() {
+    Incoming() : octets(new std::uint8_t[io_batch * max_io_datagram]) {  // its pages come into being when needed
         for (std::size_t i = 0; i < io_batch; ++i) {
             parts[i] = {octets.get() + i * max_io_datagram, max_io_datagram};
             auto& message = messages[i].msg_hdr;
-            message = {};
             message.msg_name = &peers[i];
-            message.msg_namelen = sizeof peers[i];
             message.msg_iov = &parts[i];
             message.msg_iovlen = 1;
             message.msg_control = controls[i].octets.data();
+        }
+        prepare(io_batch);
+    }
+
+    /// The first of them are ready for the system once more: it has changed their lengths and nothing else.
+    void prepare(std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i) {
+            auto& message = messages[i].msg_hdr;
+            message.msg_namelen = sizeof peers[i];
             message.msg_controllen = controls[i].octets.size();
+            message.msg_flags = 0;
         }
     }
 
@@ -183,7 +189,6 @@ unsigned IoSocket::interface_index(std::uint32_t address) {
 
 std::size_t IoSocket::receive(const std::function<void(const Received&)>& take) {
     auto& in = *incoming_;
-    in.prepare();
     const auto count = ::recvmmsg(socket_.native_handle(), in.messages.data(), io_batch, MSG_DONTWAIT, nullptr);
     if (count <= 0) return 0;
     const Clocks clocks;
@@ -203,6 +208,7 @@ std::size_t IoSocket::receive(const std::function<void(const Received&)>& take) 
         }
         take(received);
     }
+    in.prepare(static_cast<std::size_t>(count));
     return static_cast<std::size_t>(count);
 }
 

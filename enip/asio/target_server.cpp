@@ -39,7 +39,9 @@ public:
         : shared_{context_, std::move(problem), [this](TargetStation& station) { gather(station); },
                   [this] {
                       if (managed_) managed_->settle();
-                  }},
+                  },
+                  [this](Time time) { wake_by(time); }},
+          timer_(context_),
           signals_(context_) {}
 
     boost::system::result<Listening, ListenError> listen(Target& target, const ListenOptions& options);
@@ -69,6 +71,8 @@ private:
     }
     net::awaitable<void> wait_for_signal();
     net::awaitable<void> look_on(Onlooker& onlooker);
+    net::awaitable<void> keep_time();
+    void wake_by(Time time);
     void gather(TargetStation& station);
     void send_gathered();
     void after_line();
@@ -76,6 +80,8 @@ private:
 
     net::io_context context_{1};
     TargetStation::Shared shared_;
+    net::steady_timer timer_;       ///< of all stations: what is due at the same time wakes the process once
+    std::optional<Time> wakes_at_;  ///< while it waits
     net::signal_set signals_;
     std::vector<std::unique_ptr<TargetStation>> stations_;
     std::unique_ptr<ManagedInterface> managed_;
@@ -156,6 +162,7 @@ void TargetServer::Impl::catch_signals() {
 void TargetServer::Impl::run(const std::function<void()>& stopping) {
     stopping_ = stopping;
     for (const auto& station : stations_) station->start();
+    net::co_spawn(context_, keep_time(), net::detached);
     if (managed_) managed_->start();
     if (ring_) ring_->start();
     if (local_) local_->start();
@@ -177,6 +184,26 @@ void TargetServer::Impl::in_background(Target& target, std::function<void()> job
             }
         });
     });
+}
+
+net::awaitable<void> TargetServer::Impl::keep_time() {
+    for (const auto& station : stations_) station->on_time();
+    while (!stopped_) {
+        auto next = Time::max();
+        for (const auto& station : stations_) next = std::min(next, station->deadline().value_or(Time::max()));
+        wakes_at_ = next;
+        timer_.expires_at(next);
+        static_cast<void>(co_await timer_.async_wait(awaited));
+        wakes_at_.reset();
+        const auto now = std::chrono::steady_clock::now();
+        for (const auto& station : stations_) {
+            if (station->deadline().value_or(Time::max()) <= now) station->on_time();
+        }
+    }
+}
+
+void TargetServer::Impl::wake_by(Time time) {
+    if (wakes_at_ && time < *wakes_at_) timer_.cancel();
 }
 
 net::awaitable<void> TargetServer::Impl::wait_for_signal() {
@@ -215,6 +242,7 @@ void TargetServer::Impl::shut_down() {
     if (std::exchange(stopped_, true)) return;
     if (stopping_) stopping_();
     signals_.cancel();
+    timer_.cancel();
     for (const auto& lines : lines_) lines->stop();
     for (const auto& onlooker : onlookers_) onlooker->timer.cancel();
     for (const auto& station : stations_) station->shut_down();

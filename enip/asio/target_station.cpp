@@ -74,8 +74,7 @@ TargetStation::TargetStation(Target& target, const Shared& shared)
       unicast_(shared.context.get_executor()),
       directed_(shared.context.get_executor()),
       limited_(shared.context.get_executor()),
-      io_(shared.context.get_executor()),
-      timer_(shared.context) {}
+      io_(shared.context.get_executor()) {}
 
 boost::system::result<Listening, ListenError> TargetStation::listen(const ListenOptions& options) {
     leave();
@@ -161,7 +160,6 @@ void TargetStation::mark_messages() {
 void TargetStation::start() {
     started_ = true;
     if (acceptor_.is_open()) serve_place();
-    net::co_spawn(shared_.context, timer(), net::detached);
 }
 
 void TargetStation::serve_place() {
@@ -297,20 +295,17 @@ void TargetStation::receive_io() {
     }
 }
 
-net::awaitable<void> TargetStation::timer() {
-    if (stopped_) co_return;
-    target_.on_timer(now());
-    after_event();
-    while (!stopped_) {
-        timer_.expires_at(armed_.value_or(Time::max()));
-        static_cast<void>(co_await timer_.async_wait(awaited));
-        if (stopped_) co_return;
-        if (catch_up()) {
-            flush();
-            if (shared_.after_event) shared_.after_event();
-        }
-        armed_ = target_.next_deadline();
+void TargetStation::on_time() {
+    if (stopped_) return;
+    if (!deadline_) {  // it has never had any time
+        target_.on_timer(now());
+        after_event();
+    } else if (catch_up()) {
+        flush();
+        if (shared_.after_event) shared_.after_event();
     }
+    // One that moved later is noticed here; after_event() looks for an earlier one alone.
+    deadline_ = target_.next_deadline().value_or(Time::max());
 }
 
 // Not now() before the datagrams are taken: they have come earlier, and time does not go back for the target.
@@ -341,10 +336,9 @@ void TargetStation::after_event() {
     const auto next = target_.next_deadline();
     mark_messages();
     flush();
-    // A deadline that moved later is noticed when the timer fires; only an earlier one needs a new start.
-    if (next && (!armed_ || *next < *armed_)) {
-        armed_ = next;
-        timer_.cancel();
+    if (next && (!deadline_ || *next < *deadline_)) {
+        deadline_ = next;
+        shared_.wants_time(*next);
     }
     if (shared_.after_event) shared_.after_event();
 }
@@ -385,7 +379,6 @@ void TargetStation::leave() {
 void TargetStation::shut_down() {
     stopped_ = true;
     close_sockets();
-    timer_.cancel();
 }
 
 void TargetStation::close_sockets() {

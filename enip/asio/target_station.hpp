@@ -5,7 +5,6 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/system/result.hpp>
 #include <cstdint>
 #include <functional>
@@ -32,6 +31,8 @@ public:
         std::function<void(TargetStation&)> io_is_due;
         /// Something has happened to the station's target, and what it had to say has left.
         std::function<void()> after_event;
+        /// on_time() is to be called at this time, which is earlier than it was.
+        std::function<void(Time)> wants_time;
     };
 
     /// Both outlive the station.
@@ -45,6 +46,9 @@ public:
     void leave();
     /// Closes everything; its coroutines end.
     void shut_down();
+    /// To be called when serving starts, and at or after deadline(): the target has its time.
+    void on_time();
+    [[nodiscard]] std::optional<Time> deadline() const { return deadline_; }
     /// Something has happened to the target outside of the station, at the time of now: what it has to say leaves.
     void after_line();
 
@@ -70,9 +74,8 @@ private:
     boost::asio::awaitable<void> farewell(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
     boost::asio::awaitable<void> datagrams(DatagramSocket& socket, unsigned place);
     boost::asio::awaitable<void> io(unsigned place);
-    boost::asio::awaitable<void> timer();
 
-    /// The same after everything that the station itself brings to the target; the timer is set again.
+    /// The same after everything that the station itself brings to the target; the deadline is looked at again.
     void after_event();
     /// Calls on_timer() if it is time.
     [[nodiscard]] bool catch_up();
@@ -96,7 +99,6 @@ private:
     DatagramSocket directed_;  ///< the subnet's broadcast, which a socket bound to one address does not hear
     DatagramSocket limited_;   ///< 255.255.255.255
     IoSocket io_;
-    boost::asio::steady_timer timer_;
     Endpoint local_;
     std::optional<Interface> interface_;
     /// One that reads may be woken; one that writes looks for more when it is done.
@@ -105,7 +107,7 @@ private:
         bool reads = false;
     };
     std::map<Target::ConnectionId, Peer> peers_;
-    std::optional<Time> armed_;
+    std::optional<Time> deadline_;  ///< of the target, or earlier
     std::optional<std::uint8_t> dscp_;  ///< that messages leave with
     Time latest_{};                     ///< that the target has been told
     DayClock day_;
