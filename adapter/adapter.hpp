@@ -76,6 +76,7 @@ public:
     [[nodiscard]] std::vector<enip::Datagram> take_datagrams() override;
     [[nodiscard]] std::uint8_t explicit_dscp() const override { return explicit_dscp_; }
     void on_io(enip::Endpoint peer, enip::Endpoint local, cip::ByteView octets, enip::Time now) override;
+    [[nodiscard]] bool io_may_wait() const override { return manager_->io().tells_at_deadlines(); }
     [[nodiscard]] enip::IoQueue& io_queue() override { return io_queue_; }
     void on_timer(enip::Time now) override;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const override;

@@ -392,6 +392,12 @@ void IoConnections::note_changes(enip::Time now) {
     }
 }
 
+bool IoConnections::tells_at_deadlines() const {
+    return !productions_.empty() && std::ranges::all_of(productions_, [](const auto& each) {
+        return each->producer.settings().trigger == enip::Trigger::cyclic;
+    });
+}
+
 std::optional<enip::Time> IoConnections::next_deadline() const {
     std::optional<enip::Time> next;
     const auto take_earlier = [&](enip::Time time) {

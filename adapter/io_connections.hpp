@@ -77,6 +77,8 @@ public:
     void on_timer(enip::Time now, enip::IoQueue& queue, std::uint16_t& timed_out);
     /// Values may have changed: what is sent on a change of state looks at them.
     void note_changes(enip::Time now);
+    /// There are connections, and all of their productions are cyclic.
+    [[nodiscard]] bool tells_at_deadlines() const;
     [[nodiscard]] std::optional<enip::Time> next_deadline() const;
 
     [[nodiscard]] const IoConnection* find(const cip::ConnectionTriad& triad) const;

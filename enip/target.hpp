@@ -57,6 +57,10 @@ public:
     /// A datagram at the port of class 0 and 1 (UDP 2222), which carries data of a connection or nothing that counts.
     virtual void on_io(Endpoint peer, Endpoint local, cip::ByteView octets, Time now) = 0;
 
+    /// True while what such a datagram brings is told at deadlines alone: then a server that is busy may bring all of them
+    /// when the next one comes, and need not wake for each.
+    [[nodiscard]] virtual bool io_may_wait() const { return false; }
+
     /// The class 0 and 1 datagrams that are due, to leave from that port. Whoever has sent them clears the queue.
     [[nodiscard]] virtual IoQueue& io_queue() = 0;
 

@@ -2,6 +2,7 @@
 
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -33,8 +34,8 @@ struct alignas(cmsghdr) Control {
 error_code last_error() { return {errno, boost::system::system_category()}; }
 
 template <class T>
-error_code set_option(udp::socket& socket, int level, int name, const T& value) {
-    if (::setsockopt(socket.native_handle(), level, name, &value, sizeof value) == 0) return {};
+error_code set_option(int socket, int level, int name, const T& value) {
+    if (::setsockopt(socket, level, name, &value, sizeof value) == 0) return {};
     return last_error();
 }
 
@@ -132,19 +133,19 @@ struct IoSocket::Outgoing {
 IoSocket::IoSocket(const boost::asio::any_io_executor& executor)
     : socket_(executor), incoming_(std::make_unique<Incoming>()), outgoing_(std::make_unique<Outgoing>()) {}
 
-IoSocket::~IoSocket() = default;
+IoSocket::~IoSocket() { close(); }
 
 error_code IoSocket::open(Endpoint local, bool shared) {
     error_code error;
     socket_.open(udp::v4(), error);
     if (!error && shared) socket_.set_option(udp::socket::reuse_address(true), error);
     constexpr int on = 1;
-    if (!error) error = set_option(socket_, IPPROTO_IP, IP_PKTINFO, on);
-    if (!error) error = set_option(socket_, SOL_SOCKET, SO_TIMESTAMPNS, on);
-    if (!error) error = set_option(socket_, IPPROTO_IP, IP_MULTICAST_ALL, 0);
+    if (!error) error = set_option(native(), IPPROTO_IP, IP_PKTINFO, on);
+    if (!error) error = set_option(native(), SOL_SOCKET, SO_TIMESTAMPNS, on);
+    if (!error) error = set_option(native(), IPPROTO_IP, IP_MULTICAST_ALL, 0);
     // The first of them needs privileges, the second is cut to what the system allows; neither is a reason to fail.
-    if (!error && set_option(socket_, SOL_SOCKET, SO_RCVBUFFORCE, io_receive_buffer)) {
-        static_cast<void>(set_option(socket_, SOL_SOCKET, SO_RCVBUF, io_receive_buffer));
+    if (!error && set_option(native(), SOL_SOCKET, SO_RCVBUFFORCE, io_receive_buffer)) {
+        static_cast<void>(set_option(native(), SOL_SOCKET, SO_RCVBUF, io_receive_buffer));
     }
     if (!error) socket_.bind({boost::asio::ip::address_v4(local.address), local.port}, error);
     if (!error) socket_.non_blocking(true, error);
@@ -158,7 +159,21 @@ error_code IoSocket::open(Endpoint local, bool shared) {
 
 void IoSocket::close() {
     error_code ignored;
+    if (is_quiet()) ::close(std::exchange(quiet_, -1));
     socket_.close(ignored);
+}
+
+// The one way to keep the reactor from waking is not to be known to it.
+void IoSocket::set_quiet(bool quiet) {
+    if (quiet == is_quiet() || !is_open()) return;
+    error_code error;
+    if (quiet) {
+        const auto native = socket_.release(error);
+        if (!error) quiet_ = native;
+        return;
+    }
+    socket_.assign(udp::v4(), quiet_, error);
+    if (!error) quiet_ = -1;
 }
 
 error_code IoSocket::join(std::uint32_t group, std::uint32_t interface_address) {
@@ -174,7 +189,7 @@ error_code IoSocket::membership(int option, std::uint32_t group, std::uint32_t a
     request.imr_multiaddr.s_addr = htonl(group);
     request.imr_address.s_addr = htonl(address);
     request.imr_ifindex = static_cast<int>(interface_index(address));
-    return set_option(socket_, IPPROTO_IP, option, request);
+    return set_option(native(), IPPROTO_IP, option, request);
 }
 
 unsigned IoSocket::interface_index(std::uint32_t address) {
@@ -189,10 +204,10 @@ unsigned IoSocket::interface_index(std::uint32_t address) {
 
 std::size_t IoSocket::receive(const std::function<void(const Received&)>& take) {
     auto& in = *incoming_;
-    const auto count = ::recvmmsg(socket_.native_handle(), in.messages.data(), io_batch, MSG_DONTWAIT, nullptr);
+    const auto count = ::recvmmsg(native(), in.messages.data(), io_batch, MSG_DONTWAIT, nullptr);
     if (count <= 0) return 0;
     const Clocks clocks;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count) && socket_.is_open(); ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count) && is_open(); ++i) {
         auto& message = in.messages[i].msg_hdr;
         Received received{.peer = {ntohl(in.peers[i].sin_addr.s_addr), ntohs(in.peers[i].sin_port)},
                           .local = local_,
@@ -241,8 +256,8 @@ IoSocket::Sent IoSocket::send(const IoQueue& queue) {
             control.add(IP_TOS, int{route.dscp} << 2);
             if (route.ttl != 0) control.add(IP_TTL, int{route.ttl});
         }
-        const auto sent = ::sendmmsg(socket_.native_handle(), out.messages.data(), static_cast<unsigned>(count),
-                                     MSG_DONTWAIT | MSG_NOSIGNAL);
+        const auto sent =
+            ::sendmmsg(native(), out.messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT | MSG_NOSIGNAL);
         if (sent < 0 && errno == EINTR) continue;
         if (sent < 0) {  // the first of them; the others have their own chance
             ++result.failed;

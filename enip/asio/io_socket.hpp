@@ -36,7 +36,12 @@ public:
     /// `shared`: others may listen there too, as a group needs it. After an error it is closed and may be opened again.
     [[nodiscard]] boost::system::error_code open(Endpoint local, bool shared);
     void close();
+    /// To wait with; not while it is quiet.
     [[nodiscard]] boost::asio::ip::udp::socket& socket() { return socket_; }
+    /// While it is quiet what comes wakes nobody, and waits to be received. Whoever waits is told operation_aborted.
+    void set_quiet(bool quiet);
+    [[nodiscard]] bool is_quiet() const { return quiet_ >= 0; }
+    [[nodiscard]] bool is_open() const { return is_quiet() || socket_.is_open(); }
     /// Where it listens, the port that the system has chosen included.
     [[nodiscard]] Endpoint local() const { return local_; }
 
@@ -68,7 +73,10 @@ private:
     [[nodiscard]] boost::system::error_code membership(int option, std::uint32_t group, std::uint32_t address);
     [[nodiscard]] unsigned interface_index(std::uint32_t address);
 
+    [[nodiscard]] int native() { return is_quiet() ? quiet_ : socket_.native_handle(); }
+
     boost::asio::ip::udp::socket socket_;
+    int quiet_ = -1;  ///< the socket, while it is quiet
     Endpoint local_;
     std::unique_ptr<Incoming> incoming_;
     std::unique_ptr<Outgoing> outgoing_;

@@ -67,7 +67,7 @@ ListenError cannot_listen(std::string_view protocol, Endpoint at, const error_co
 
 }  // namespace
 
-TargetStation::TargetStation(Target& target, const Shared& shared)
+TargetStation::TargetStation(Target& target, Shared& shared)
     : target_(target),
       shared_(shared),
       acceptor_(shared.context),
@@ -221,7 +221,8 @@ net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::Connec
         if (error) co_return;
         cip::ByteView octets(buffer.data(), size);
         while (!octets.empty()) {
-            static_cast<void>(catch_up());  // what was due before comes before
+            if (io_.is_quiet()) receive_io();  // what came before, and
+            static_cast<void>(catch_up());     // what was due before comes before
             octets = octets.subspan(target_.on_octets(id, octets, now()));
             const auto replies = target_.take_replies(id);
             // In this order: no datagram of a connection leaves before the reply that opens it (R-CON-50), and none waits
@@ -281,7 +282,7 @@ net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket, unsigned p
 }
 
 net::awaitable<void> TargetStation::io(unsigned place) {
-    while (is_at(place)) {
+    while (is_at(place) && !io_.is_quiet()) {
         const auto [error] = co_await io_.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
         if (!is_at(place) || error == net::error::operation_aborted) co_return;
         receive_io();
@@ -291,8 +292,19 @@ net::awaitable<void> TargetStation::io(unsigned place) {
 
 // Each with the time at which the kernel took it, however late it is looked at.
 void TargetStation::receive_io() {
-    for (int i = 0; i < io_batches_at_once && io_.receive(take_io_) == io_batch; ++i) {
-    }
+    std::size_t received = 0;
+    std::size_t batch = io_batch;
+    for (int i = 0; i < io_batches_at_once && batch == io_batch; ++i) received += batch = io_.receive(take_io_);
+    io_seen_ = clock_now();
+    shared_.rhythm.count(received, io_seen_);
+}
+
+// A busy server takes datagrams when something is due, and not when each comes.
+void TargetStation::follow_rhythm() {
+    const bool quiet = started_ && io_.is_open() && shared_.rhythm.is_busy() && target_.io_may_wait();
+    if (quiet == io_.is_quiet()) return;
+    io_.set_quiet(quiet);
+    if (!io_.is_quiet() && io_.is_open()) net::co_spawn(shared_.context, io(place_), net::detached);
 }
 
 void TargetStation::on_time() {
@@ -300,12 +312,16 @@ void TargetStation::on_time() {
     if (!deadline_) {  // it has never had any time
         target_.on_timer(now());
         after_event();
-    } else if (catch_up()) {
+    } else {
+        if (io_.is_quiet() && clock_now() >= io_seen_ + longest_io_wait) receive_io();
+        static_cast<void>(catch_up());
         flush();
         if (shared_.after_event) shared_.after_event();
     }
+    follow_rhythm();
     // One that moved later is noticed here; after_event() looks for an earlier one alone.
     deadline_ = target_.next_deadline().value_or(Time::max());
+    if (io_.is_quiet()) deadline_ = std::min(*deadline_, io_seen_ + longest_io_wait);
 }
 
 // Not now() before the datagrams are taken: they have come earlier, and time does not go back for the target.
@@ -313,7 +329,7 @@ bool TargetStation::catch_up() {
     const auto next = target_.next_deadline();
     const auto passed = next ? clock_now() - *next : Time::duration(-1);
     if (passed < Time::duration(0)) return false;
-    if (passed > late) receive_io();
+    if (passed > late || io_.is_quiet()) receive_io();
     target_.on_timer(now());
     mark_messages();  // it may have been a restart
     return true;

@@ -15,6 +15,7 @@
 #include "enip/asio/datagram_socket.hpp"
 #include "enip/asio/day_clock.hpp"
 #include "enip/asio/interfaces.hpp"
+#include "enip/asio/io_rhythm.hpp"
 #include "enip/asio/io_socket.hpp"
 #include "enip/asio/target_server.hpp"
 #include "enip/target.hpp"
@@ -33,10 +34,11 @@ public:
         std::function<void()> after_event;
         /// on_time() is to be called at this time, which is earlier than it was.
         std::function<void(Time)> wants_time;
+        IoRhythm rhythm{};
     };
 
     /// Both outlive the station.
-    TargetStation(Target& target, const Shared& shared);
+    TargetStation(Target& target, Shared& shared);
 
     /// Before start() or after it. One that listens already leaves first.
     [[nodiscard]] boost::system::result<Listening, ListenError> listen(const ListenOptions& options);
@@ -83,13 +85,14 @@ private:
     [[nodiscard]] Time now();
     void mark_messages();
     void receive_io();
+    void follow_rhythm();
     void flush();
     void close_expired();
     void cut(Target::ConnectionId id);
     void wake(Target::ConnectionId id);
 
     Target& target_;
-    const Shared& shared_;
+    Shared& shared_;
     const std::function<void(const IoSocket::Received&)> take_io_ = [this](const IoSocket::Received& received) {
         latest_ = std::max(latest_, received.time);
         target_.on_io(received.peer, received.local, received.octets, latest_);
@@ -107,7 +110,8 @@ private:
         bool reads = false;
     };
     std::map<Target::ConnectionId, Peer> peers_;
-    std::optional<Time> deadline_;  ///< of the target, or earlier
+    std::optional<Time> deadline_;      ///< of the target, or earlier
+    Time io_seen_{};                    ///< when datagrams were last looked for
     std::optional<std::uint8_t> dscp_;  ///< that messages leave with
     Time latest_{};                     ///< that the target has been told
     DayClock day_;
