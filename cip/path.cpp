@@ -240,6 +240,8 @@ Path Path::to(std::uint32_t class_id, std::uint32_t instance, std::uint32_t attr
 Decoded<Path> Path::parse(ByteView bytes) {
     Reader reader(bytes);
     Path path;
+    constexpr std::size_t usual_segments = 3;  // class, instance, attribute
+    path.segments.reserve(usual_segments);
     while (reader.remaining() > 0) {
         auto segment = read_segment(reader);
         if (!segment) return segment.error();

@@ -110,7 +110,12 @@ public:
     template <Field T>
     void little(T value) {
         auto raw = static_cast<std::uint64_t>(static_cast<detail::raw_t<T>>(value));
-        for (std::size_t i = 0; i < sizeof(T); ++i, raw >>= 8) bytes_.push_back(static_cast<std::uint8_t>(raw));
+        std::array<std::uint8_t, sizeof(T)> octets;  // NOLINT(*-member-init): written before it is read
+        for (auto& octet : octets) {
+            octet = static_cast<std::uint8_t>(raw);
+            raw >>= 8;
+        }
+        bytes_.insert(bytes_.end(), octets.begin(), octets.end());
     }
     template <Field T>
     void big(T value) {

@@ -11,7 +11,7 @@ namespace servobus::drive {
 
 namespace {
 
-constexpr std::size_t npos = std::numeric_limits<std::size_t>::max();
+constexpr std::uint16_t npos = std::numeric_limits<std::uint16_t>::max();
 
 /// Our own invariants, checked in production too; nothing that a peer sends can break one.
 void require(bool holds, const char* what) {
@@ -22,13 +22,6 @@ void require(bool holds, const char* what) {
     std::fputs(what, stderr);
     std::fputs("\n", stderr);
     std::abort();
-}
-
-Value standard_value(const Parameter& row) {
-    if (row.is_text()) {
-        return std::string(row.standard_text);
-    }
-    return row.standard;
 }
 
 std::optional<Refusal> check_text(const Parameter& row, const std::string& text) {
@@ -65,6 +58,13 @@ std::optional<Refusal> check_value(const Parameter& row, const Value& value) {
                          : check_number(row, std::get<std::int64_t>(value));
 }
 
+Value standard_value(const Parameter& row) {
+    if (row.is_text()) {
+        return std::string(row.standard_text);
+    }
+    return row.standard;
+}
+
 Store::Store(std::span<const Parameter> table)
     : table_(table), first_cell_(table.size(), npos), selector_(table.size(), npos) {
     require(ordered_by_key(table), "the table is not ordered by class, then attribute");
@@ -73,13 +73,13 @@ Store::Store(std::span<const Parameter> table)
         if (table[i].same_as) {
             continue;
         }
-        first_cell_[i] = cells;
+        first_cell_[i] = static_cast<std::uint16_t>(cells);
         cells += table[i].elements;
         if (table[i].selected_by) {
             const Parameter* selector = find(*table[i].selected_by);
             require(selector != nullptr, "selected_by names no row");
             require(table[i].elements == selector->high - selector->low + 1, "a selector reaches other elements");
-            selector_[i] = index_of(*selector);
+            selector_[i] = static_cast<std::uint16_t>(index_of(*selector));
         }
     }
     for (std::size_t i = 0; i < table.size(); ++i) {
@@ -90,8 +90,8 @@ Store::Store(std::span<const Parameter> table)
             selector_[i] = selector_[index_of(*owner)];
         }
     }
+    require(cells < npos && table.size() < npos, "the table is too long");
     cells_.resize(cells);
-    covered_.resize(cells);
     reset();
 }
 
@@ -128,25 +128,39 @@ void Store::assign(const Parameter& row, Value value) {
     require(row.is_text() == std::holds_alternative<std::string>(value), "a value of the other kind was assigned");
     const auto cell = cell_of(row);
     cells_[cell] = std::move(value);
-    covered_[cell].reset();
+    if (auto* cover = cover_of(cell)) cover->lasting.reset();
 }
 
 void Store::cover(const Parameter& row, Value value) {
     require(row.is_text() == std::holds_alternative<std::string>(value), "a value of the other kind was assigned");
     const auto cell = cell_of(row);
-    if (!covered_[cell]) covered_[cell] = cells_[cell];
+    auto* cover = cover_of(cell);
+    if (cover == nullptr) cover = &covers_.emplace_back(Cover{cell, std::nullopt});
+    if (!cover->lasting) cover->lasting = cells_[cell];
     cells_[cell] = std::move(value);
+}
+
+Store::Cover* Store::cover_of(std::size_t cell) {
+    const auto found = std::ranges::find(covers_, cell, &Cover::cell);
+    return found != covers_.end() ? &*found : nullptr;
+}
+
+const Store::Cover* Store::cover_of(std::size_t cell) const {
+    const auto found = std::ranges::find(covers_, cell, &Cover::cell);
+    return found != covers_.end() ? &*found : nullptr;
 }
 
 const Value& Store::lasting(const Parameter& row, std::size_t element) const {
     const auto cell = cell_of(row, element);
-    return covered_[cell] ? *covered_[cell] : cells_[cell];
+    const auto* cover = cover_of(cell);
+    return cover != nullptr && cover->lasting ? *cover->lasting : cells_[cell];
 }
 
 void Store::set_lasting(const Parameter& row, std::size_t element, Value value) {
     const auto cell = cell_of(row, element);
     require(cells_[cell].index() == value.index(), "a value of the other kind was assigned");
-    (covered_[cell] ? *covered_[cell] : cells_[cell]) = std::move(value);
+    auto* cover = cover_of(cell);
+    (cover != nullptr && cover->lasting ? *cover->lasting : cells_[cell]) = std::move(value);
 }
 
 bool Store::is_selector(const Parameter& row) const {
@@ -159,7 +173,7 @@ Variable Store::variable(const Parameter& row, std::size_t element) {
 }
 
 void Store::reset() {
-    std::ranges::fill(covered_, std::nullopt);
+    for (auto& cover : covers_) cover.lasting.reset();
     for (std::size_t i = 0; i < table_.size(); ++i) {
         if (!table_[i].same_as) {
             std::fill_n(cells_.begin() + static_cast<std::ptrdiff_t>(first_cell_[i]), table_[i].elements,

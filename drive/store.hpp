@@ -22,6 +22,9 @@ using ReadResult = std::variant<Value, Refusal>;
 /// Whether a row can hold a value at all, whoever brings it: its kind, its limits, its listed values.
 [[nodiscard]] std::optional<Refusal> check_value(const Parameter& row, const Value& value);
 
+/// The printed default of a row, or nothing of its kind: 0, no characters.
+[[nodiscard]] Value standard_value(const Parameter& row);
+
 /// The number behind a row, for a drive that looks at it ten thousand times a second. Valid as long as its store.
 class Variable {
 public:
@@ -87,11 +90,20 @@ private:
     [[nodiscard]] std::size_t cell_of(const Parameter& row) const;
     [[nodiscard]] std::size_t cell_of(const Parameter& row, std::size_t element) const;
 
+    /// What lasts while process data stands in a cell. Cells that it has come to once keep their place here, so that more
+    /// of it asks for no memory; they are as many as the process images have members.
+    struct Cover {
+        std::size_t cell;
+        std::optional<Value> lasting;
+    };
+    [[nodiscard]] Cover* cover_of(std::size_t cell);
+    [[nodiscard]] const Cover* cover_of(std::size_t cell) const;
+
     std::span<const Parameter> table_;
-    std::vector<std::size_t> first_cell_;  ///< per row: the first cell of its variable
-    std::vector<std::size_t> selector_;    ///< per row: the row that selects its element, or npos
+    std::vector<std::uint16_t> first_cell_;  ///< per row: the first cell of its variable
+    std::vector<std::uint16_t> selector_;    ///< per row: the row that selects its element, or none
     std::vector<Value> cells_;
-    std::vector<std::optional<Value>> covered_;  ///< per cell: what lasts while process data stands in it
+    std::vector<Cover> covers_;
 };
 
 }  // namespace servobus::drive

@@ -6,8 +6,7 @@ namespace servobus::drive {
 
 KeptValues::KeptValues(Store& store) : store_(store) {
     for (const auto& row : store_.table()) {
-        if (row.same_as || !keeps(row)) continue;
-        for (std::uint16_t element = 0; element < row.elements; ++element) places_.push_back({&row, element, {}});
+        if (!row.same_as && keeps(row)) rows_.push_back(&row);
     }
     deliver();
 }
@@ -18,14 +17,29 @@ bool KeptValues::keeps(const Parameter& row) const {
 }
 
 void KeptValues::deliver() {
-    for (auto& place : places_) place.delivered = store_.lasting(*place.row, place.element);
+    delivered_.clear();
+    for (const auto* row : rows_) {
+        const auto printed = standard_value(*row);
+        for (std::uint16_t element = 0; element < row->elements; ++element) {
+            const auto& value = store_.lasting(*row, element);
+            if (value != printed) delivered_.push_back({row->key(), element, value});
+        }
+    }
+}
+
+Value KeptValues::delivered(const Parameter& row, std::uint16_t element) const {
+    const auto found = std::ranges::find_if(
+        delivered_, [&](const StoredValue& each) { return each.row == row.key() && each.element == element; });
+    return found != delivered_.end() ? found->value : standard_value(row);
 }
 
 StoredValues KeptValues::changes() const {
     StoredValues changes;
-    for (const auto& place : places_) {
-        const auto& value = store_.lasting(*place.row, place.element);
-        if (value != place.delivered) changes.push_back({place.row->key(), place.element, value});
+    for (const auto* row : rows_) {
+        for (std::uint16_t element = 0; element < row->elements; ++element) {
+            const auto& value = store_.lasting(*row, element);
+            if (value != delivered(*row, element)) changes.push_back({row->key(), element, value});
+        }
     }
     return changes;
 }
@@ -38,15 +52,17 @@ bool KeptValues::fits(const StoredValue& stored) const {
 
 std::vector<const Parameter*> KeptValues::restore(const StoredValues& stored) {
     std::vector<const Parameter*> changed;
-    for (const auto& place : places_) {
-        const auto is_here = [&](const StoredValue& each) {
-            return each.row == place.row->key() && each.element == place.element && fits(each);
-        };
-        const auto found = std::ranges::find_if(stored, is_here);
-        const auto& wanted = found != stored.end() ? found->value : place.delivered;
-        if (store_.lasting(*place.row, place.element) == wanted) continue;
-        store_.set_lasting(*place.row, place.element, wanted);
-        if (changed.empty() || changed.back() != place.row) changed.push_back(place.row);
+    for (const auto* row : rows_) {
+        for (std::uint16_t element = 0; element < row->elements; ++element) {
+            const auto is_here = [&](const StoredValue& each) {
+                return each.row == row->key() && each.element == element && fits(each);
+            };
+            const auto found = std::ranges::find_if(stored, is_here);
+            const auto wanted = found != stored.end() ? found->value : delivered(*row, element);
+            if (store_.lasting(*row, element) == wanted) continue;
+            store_.set_lasting(*row, element, wanted);
+            if (changed.empty() || changed.back() != row) changed.push_back(row);
+        }
     }
     return changed;
 }

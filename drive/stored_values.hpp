@@ -43,14 +43,11 @@ public:
     std::vector<const Parameter*> restore(const StoredValues& stored);
 
 private:
-    struct Place {
-        const Parameter* row = nullptr;
-        std::uint16_t element = 0;
-        Value delivered;
-    };
+    [[nodiscard]] Value delivered(const Parameter& row, std::uint16_t element) const;
 
     Store& store_;
-    std::vector<Place> places_;  ///< ordered by row and element
+    std::vector<const Parameter*> rows_;  ///< that own a variable which is kept
+    StoredValues delivered_;              ///< what is not as printed
 };
 
 }  // namespace servobus::drive

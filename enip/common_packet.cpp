@@ -2,21 +2,31 @@
 
 #include <algorithm>
 
-#include "cip/wire.hpp"
 #include "enip/socket_address.hpp"
 
 namespace servobus::enip {
 
 cip::Bytes CommonPacket::encode() const {
     cip::Bytes bytes;
+    bytes.reserve(encoded_size());
     cip::Writer writer(bytes);
+    write(writer);
+    return bytes;
+}
+
+std::size_t CommonPacket::encoded_size() const {
+    std::size_t size = 2;
+    for (const auto& item : items) size += 4 + item.data.size();
+    return size;
+}
+
+void CommonPacket::write(cip::Writer& writer) const {
     writer.u16(static_cast<std::uint16_t>(items.size()));
     for (const auto& item : items) {
         writer.field(item.type);
         writer.u16(static_cast<std::uint16_t>(item.data.size()));
         writer.bytes(item.data);
     }
-    return bytes;
 }
 
 cip::Decoded<CommonPacket> CommonPacket::parse(cip::ByteView bytes) {
@@ -25,6 +35,7 @@ cip::Decoded<CommonPacket> CommonPacket::parse(cip::ByteView bytes) {
     const std::size_t count = reader.u16();
     if (!reader.ok()) return cip::DecodeError::truncated;
     if (count > max_items) return cip::DecodeError::too_many;
+    packet.items.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
         Item item;
         reader.field(item.type);

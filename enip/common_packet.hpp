@@ -9,6 +9,7 @@
 
 #include "cip/bytes.hpp"
 #include "cip/decode_error.hpp"
+#include "cip/wire.hpp"
 
 namespace servobus::enip {
 
@@ -37,6 +38,9 @@ struct CommonPacket {
     std::vector<Item> items;
 
     [[nodiscard]] cip::Bytes encode() const;
+    [[nodiscard]] std::size_t encoded_size() const;
+    /// Appends it.
+    void write(cip::Writer& writer) const;
     /// truncated: an item ends behind the message; trailing: octets behind the last item; too_many: above max_items.
     [[nodiscard]] static cip::Decoded<CommonPacket> parse(cip::ByteView bytes);
     /// The first item of a type, or nullptr.

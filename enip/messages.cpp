@@ -90,10 +90,11 @@ cip::Decoded<ServiceItem> ServiceItem::parse(cip::ByteView data) {
 
 cip::Bytes SendData::encode() const {
     cip::Bytes bytes;
+    bytes.reserve(6 + packet.encoded_size());
     cip::Writer writer(bytes);
     writer.u32(interface_handle);
     writer.u16(timeout);
-    writer.bytes(packet.encode());
+    packet.write(writer);
     return bytes;
 }
 
@@ -111,6 +112,7 @@ cip::Decoded<SendData> SendData::parse(cip::ByteView data) {
 
 SendData SendData::unconnected(cip::Bytes message) {
     SendData data;
+    data.packet.items.reserve(2);
     data.packet.items.push_back({ItemType::null_address, {}});
     data.packet.items.push_back({ItemType::unconnected_data, std::move(message)});
     return data;
@@ -121,9 +123,11 @@ SendData SendData::connected(std::uint32_t connection_id, std::uint16_t sequence
     Item address{ItemType::connected_address, {}};
     cip::Writer(address.data).u32(connection_id);
     Item payload{ItemType::connected_data, {}};
+    payload.data.reserve(2 + message.size());
     cip::Writer writer(payload.data);
     writer.u16(sequence);
     writer.bytes(message);
+    data.packet.items.reserve(2);
     data.packet.items.push_back(std::move(address));
     data.packet.items.push_back(std::move(payload));
     return data;

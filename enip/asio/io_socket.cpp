@@ -127,11 +127,10 @@ struct IoSocket::Outgoing {
     std::array<iovec, io_batch> parts{};
     std::array<sockaddr_in, io_batch> peers{};
     std::array<Control, io_batch> controls{};
-    std::vector<std::pair<std::uint32_t, unsigned>> interfaces;  ///< that groups have been sent through
 };
 
 IoSocket::IoSocket(const boost::asio::any_io_executor& executor)
-    : socket_(executor), incoming_(std::make_unique<Incoming>()), outgoing_(std::make_unique<Outgoing>()) {}
+    : socket_(executor), incoming_(std::make_unique<Incoming>()) {}
 
 IoSocket::~IoSocket() { close(); }
 
@@ -193,7 +192,7 @@ error_code IoSocket::membership(int option, std::uint32_t group, std::uint32_t a
 }
 
 unsigned IoSocket::interface_index(std::uint32_t address) {
-    auto& known = outgoing_->interfaces;
+    auto& known = interfaces_;
     const auto found = std::ranges::find(known, address, &std::pair<std::uint32_t, unsigned>::first);
     if (found != known.end()) return found->second;
     const auto interface = interface_of(address);
@@ -228,6 +227,7 @@ std::size_t IoSocket::receive(const std::function<void(const Received&)>& take) 
 }
 
 IoSocket::Sent IoSocket::send(const IoQueue& queue) {
+    if (!outgoing_) outgoing_ = std::make_unique<Outgoing>();  // many sockets never send, as others send for them
     auto& out = *outgoing_;
     Sent result;
     auto entries = queue.entries();

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "cip/bytes.hpp"
 #include "enip/endpoint.hpp"
@@ -80,6 +82,7 @@ private:
     Endpoint local_;
     std::unique_ptr<Incoming> incoming_;
     std::unique_ptr<Outgoing> outgoing_;
+    std::vector<std::pair<std::uint32_t, unsigned>> interfaces_;  ///< that groups have been sent through
 };
 
 }  // namespace servobus::enip::asio

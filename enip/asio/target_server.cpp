@@ -36,11 +36,15 @@ constexpr auto awaited = net::as_tuple(net::use_awaitable);
 class TargetServer::Impl {
 public:
     explicit Impl(std::function<void(const std::string&)> problem)
-        : shared_{context_, std::move(problem), [this](TargetStation& station) { gather(station); },
+        : shared_{context_,
+                  std::move(problem),
+                  [this](TargetStation& station) { gather(station); },
                   [this] {
                       if (managed_) managed_->settle();
                   },
-                  [this](Time time) { wake_by(time); }},
+                  [this](Time time) { wake_by(time); },
+                  {},
+                  {}},
           timer_(context_),
           signals_(context_) {}
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -18,12 +19,19 @@
 #include "enip/asio/io_rhythm.hpp"
 #include "enip/asio/io_socket.hpp"
 #include "enip/asio/target_server.hpp"
+#include "enip/encapsulation.hpp"
 #include "enip/target.hpp"
 
 namespace servobus::enip::asio {
 
 class TargetStation {
 public:
+    // The context's own executor and no type-erased one, which a request would be handed to several times.
+    using Executor = boost::asio::io_context::executor_type;
+    template <class T>
+    using Awaitable = boost::asio::awaitable<T, Executor>;
+    using TcpSocket = boost::asio::basic_stream_socket<boost::asio::ip::tcp, Executor>;
+
     /// What a station and the others on its thread share.
     struct Shared {
         boost::asio::io_context& context;
@@ -35,6 +43,7 @@ public:
         /// on_time() is to be called at this time, which is earlier than it was.
         std::function<void(Time)> wants_time;
         IoRhythm rhythm{};
+        std::array<std::uint8_t, header_bytes + max_data_bytes> datagram;  ///< the message that is being looked at
     };
 
     /// Both outlive the station.
@@ -70,12 +79,12 @@ private:
     [[nodiscard]] bool is_at(unsigned place) const { return !stopped_ && place == place_; }
     void serve_place();
     void close_sockets();
-    boost::asio::awaitable<void> accept(unsigned place);
-    boost::asio::awaitable<void> serve(boost::asio::ip::tcp::socket socket);
-    boost::asio::awaitable<void> exchange(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
-    boost::asio::awaitable<void> farewell(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
-    boost::asio::awaitable<void> datagrams(DatagramSocket& socket, unsigned place);
-    boost::asio::awaitable<void> io(unsigned place);
+    Awaitable<void> accept(unsigned place);
+    Awaitable<void> serve(TcpSocket socket);
+    Awaitable<void> exchange(TcpSocket& socket, Target::ConnectionId id);
+    Awaitable<void> farewell(TcpSocket& socket, Target::ConnectionId id);
+    Awaitable<void> datagrams(DatagramSocket& socket, unsigned place);
+    Awaitable<void> io(unsigned place);
 
     /// The same after everything that the station itself brings to the target; the deadline is looked at again.
     void after_event();
@@ -97,7 +106,7 @@ private:
         latest_ = std::max(latest_, received.time);
         target_.on_io(received.peer, received.local, received.octets, latest_);
     };
-    boost::asio::ip::tcp::acceptor acceptor_;
+    boost::asio::basic_socket_acceptor<boost::asio::ip::tcp, Executor> acceptor_;
     DatagramSocket unicast_;
     DatagramSocket directed_;  ///< the subnet's broadcast, which a socket bound to one address does not hear
     DatagramSocket limited_;   ///< 255.255.255.255
@@ -106,7 +115,7 @@ private:
     std::optional<Interface> interface_;
     /// One that reads may be woken; one that writes looks for more when it is done.
     struct Peer {
-        boost::asio::ip::tcp::socket* socket = nullptr;
+        TcpSocket* socket = nullptr;
         bool reads = false;
     };
     std::map<Target::ConnectionId, Peer> peers_;
