@@ -208,6 +208,18 @@ Production* IoConnections::multicast_of(const assemblies::Layout& layout) const 
     return found != productions_.end() ? found->get() : nullptr;
 }
 
+namespace {
+
+// The productions of a drive are due together, and those of its neighbours; of a long row of drives some are due a little
+// later, so that requests are answered in between.
+microseconds phase_of(std::uint32_t address) {
+    constexpr std::uint32_t neighbours = 32;
+    constexpr auto phases = static_cast<std::uint32_t>(enip::shared_grid / enip::production_grid);
+    return (address / neighbours % phases) * enip::production_grid;
+}
+
+}  // namespace
+
 Production& IoConnections::produce(const cip::ForwardOpen& request, const IoOpen& wanted, const cip::Origin& origin,
                                    const Sockets& sockets) {
     const auto& layout = *wanted.connection->inputs();
@@ -235,8 +247,11 @@ Production& IoConnections::produce(const cip::ForwardOpen& request, const IoOpen
     production->transport = request.transport;
     // Not at once, though within an interval (R-CON-50), so that the originator has read the reply when the first comes.
     constexpr microseconds reading_time{1000};
-    const auto wait = std::min(interval, reading_time) - std::min(interval, enip::production_grid);
-    production->producer = enip::IoProducer(settings, enip::first_deadline(origin.now + wait, interval));
+    const bool whole = interval % enip::shared_grid == microseconds(0);
+    const auto grid = std::min(interval, whole ? enip::shared_grid : enip::production_grid);
+    const auto wait = std::min(reading_time, interval - grid);
+    production->producer = enip::IoProducer(
+        settings, enip::first_shared_deadline(origin.now + wait, interval, phase_of(origin.local_address)));
     productions_.push_back(std::move(production));
     return *productions_.back();
 }

@@ -112,10 +112,19 @@ void IoProducer::advance(Time now) {
     deadline_ += passed * settings_.interval;
 }
 
+namespace {
+
+Time first_deadline_on(Time::duration grid, Time now) { return now + (grid - now.time_since_epoch() % grid); }
+
+}  // namespace
+
 Time first_deadline(Time now, microseconds interval) {
-    const auto since = now.time_since_epoch();
-    const auto grid = std::chrono::duration_cast<Time::duration>(std::min(production_grid, interval));
-    return now + (grid - since % grid);
+    return first_deadline_on(std::min(production_grid, interval), now);
+}
+
+Time first_shared_deadline(Time now, microseconds interval, microseconds phase) {
+    if (interval % shared_grid != microseconds(0)) return first_deadline(now, interval);
+    return first_deadline_on(shared_grid, now - phase) + phase;
 }
 
 }  // namespace servobus::enip

@@ -135,4 +135,11 @@ inline constexpr std::chrono::microseconds production_grid{250};
 /// are due together and leave in one system call. At most `interval`, and at most production_grid, later.
 [[nodiscard]] Time first_deadline(Time now, std::chrono::microseconds interval);
 
+/// Intervals that are a multiple of this have deadlines together, once in it: who has many of them wakes up once for all.
+inline constexpr std::chrono::microseconds shared_grid{1000};
+
+/// The same for one of many producers: when `interval` is a multiple of shared_grid, `phase` behind one of its multiples
+/// and at most shared_grid later; otherwise first_deadline().
+[[nodiscard]] Time first_shared_deadline(Time now, std::chrono::microseconds interval, std::chrono::microseconds phase);
+
 }  // namespace servobus::enip

@@ -92,8 +92,8 @@ private:
 
 }  // namespace
 
-struct IoSocket::Incoming {
-    Incoming() : octets(new std::uint8_t[io_batch * max_io_datagram]) {  // its pages come into being when needed
+struct IoSocket::Room {
+    Room() : octets(new std::uint8_t[io_batch * max_io_datagram]) {  // its pages come into being when needed
         for (std::size_t i = 0; i < io_batch; ++i) {
             parts[i] = {octets.get() + i * max_io_datagram, max_io_datagram};
             auto& message = messages[i].msg_hdr;
@@ -129,8 +129,10 @@ struct IoSocket::Outgoing {
     std::array<Control, io_batch> controls{};
 };
 
-IoSocket::IoSocket(const boost::asio::any_io_executor& executor)
-    : socket_(executor), incoming_(std::make_unique<Incoming>()) {}
+std::shared_ptr<IoSocket::Room> IoSocket::make_room() { return std::make_shared<Room>(); }
+
+IoSocket::IoSocket(const boost::asio::any_io_executor& executor, std::shared_ptr<Room> room)
+    : socket_(executor), room_(std::move(room)) {}
 
 IoSocket::~IoSocket() { close(); }
 
@@ -202,7 +204,7 @@ unsigned IoSocket::interface_index(std::uint32_t address) {
 }
 
 std::size_t IoSocket::receive(const std::function<void(const Received&)>& take) {
-    auto& in = *incoming_;
+    auto& in = *room_;
     const auto count = ::recvmmsg(native(), in.messages.data(), io_batch, MSG_DONTWAIT, nullptr);
     if (count <= 0) return 0;
     const Clocks clocks;

@@ -29,7 +29,11 @@ inline constexpr int io_receive_buffer = 4 * 1024 * 1024;
 /// Never blocks, and allocates nothing once it has sent and received. The owner waits with socket().async_wait.
 class IoSocket {
 public:
-    explicit IoSocket(const boost::asio::any_io_executor& executor);
+    /// Where datagrams are received to. Sockets of one thread may share it.
+    struct Room;
+    [[nodiscard]] static std::shared_ptr<Room> make_room();
+
+    explicit IoSocket(const boost::asio::any_io_executor& executor, std::shared_ptr<Room> room = make_room());
     IoSocket(const IoSocket&) = delete;
     IoSocket& operator=(const IoSocket&) = delete;
     ~IoSocket();
@@ -69,7 +73,6 @@ public:
     Sent send(const IoQueue& queue);
 
 private:
-    struct Incoming;
     struct Outgoing;
 
     [[nodiscard]] boost::system::error_code membership(int option, std::uint32_t group, std::uint32_t address);
@@ -80,7 +83,7 @@ private:
     boost::asio::ip::udp::socket socket_;
     int quiet_ = -1;  ///< the socket, while it is quiet
     Endpoint local_;
-    std::unique_ptr<Incoming> incoming_;
+    std::shared_ptr<Room> room_;
     std::unique_ptr<Outgoing> outgoing_;
     std::vector<std::pair<std::uint32_t, unsigned>> interfaces_;  ///< that groups have been sent through
 };

@@ -36,15 +36,11 @@ constexpr auto awaited = net::as_tuple(net::use_awaitable);
 class TargetServer::Impl {
 public:
     explicit Impl(std::function<void(const std::string&)> problem)
-        : shared_{context_,
-                  std::move(problem),
-                  [this](TargetStation& station) { gather(station); },
+        : shared_{context_, std::move(problem), [this](TargetStation& station) { gather(station); },
                   [this] {
                       if (managed_) managed_->settle();
                   },
-                  [this](Time time) { wake_by(time); },
-                  {},
-                  {}},
+                  [this](Time time) { wake_by(time); }},
           timer_(context_),
           signals_(context_) {}
 
@@ -93,8 +89,8 @@ private:
     std::unique_ptr<LocalExchange> local_;
     std::vector<std::unique_ptr<LineServer>> lines_;
     std::vector<std::unique_ptr<Onlooker>> onlookers_;
-    IoQueue gathered_;  ///< of several stations, on its way through the socket of the first
-    bool sends_ = false;
+    IoQueue gathered_;    ///< of several stations, on its way through the socket of the first
+    bool sends_ = false;  ///< soon: nobody need ask for it
     std::function<void()> stopping_;
     bool stopped_ = false;
     std::unique_ptr<net::thread_pool> background_;  ///< from the first job on
@@ -200,9 +196,11 @@ net::awaitable<void> TargetServer::Impl::keep_time() {
         static_cast<void>(co_await timer_.async_wait(awaited));
         wakes_at_.reset();
         const auto now = std::chrono::steady_clock::now();
+        sends_ = true;
         for (const auto& station : stations_) {
             if (station->deadline().value_or(Time::max()) <= now) station->on_time();
         }
+        send_gathered();
     }
 }
 

@@ -74,7 +74,7 @@ TargetStation::TargetStation(Target& target, Shared& shared)
       unicast_(shared.context.get_executor()),
       directed_(shared.context.get_executor()),
       limited_(shared.context.get_executor()),
-      io_(shared.context.get_executor()) {}
+      io_(shared.context.get_executor(), shared.io_room) {}
 
 boost::system::result<Listening, ListenError> TargetStation::listen(const ListenOptions& options) {
     leave();

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -43,7 +44,8 @@ public:
         /// on_time() is to be called at this time, which is earlier than it was.
         std::function<void(Time)> wants_time;
         IoRhythm rhythm{};
-        std::array<std::uint8_t, header_bytes + max_data_bytes> datagram;  ///< the message that is being looked at
+        std::shared_ptr<IoSocket::Room> io_room = IoSocket::make_room();
+        std::array<std::uint8_t, header_bytes + max_data_bytes> datagram{};  ///< the message that is being looked at
     };
 
     /// Both outlive the station.

@@ -378,6 +378,18 @@ TEST(IoProducer, FirstDeadlinesFallOnOneGrid) {
     EXPECT_LE(first_deadline(start + 90us, 100us), start + 190us) << "at most an interval later";
 }
 
+TEST(IoProducer, WholeMillisecondsAreDueTogether) {
+    for (const auto offset : {0us, 1us, 250us, 999us, 123'456us}) {
+        for (const auto phase : {0us, 250us, 750us}) {
+            const auto first = first_shared_deadline(start + offset, 10ms, phase);
+            EXPECT_GT(first, start + offset);
+            EXPECT_LE(first, start + offset + 1ms);
+            EXPECT_EQ(first.time_since_epoch() % std::chrono::nanoseconds(1ms), std::chrono::nanoseconds(phase));
+        }
+        EXPECT_EQ(first_shared_deadline(start + offset, 1500us, 750us), first_deadline(start + offset, 1500us));
+    }
+}
+
 // ----------------------------------------------------------------------------------------------------------- both ends
 
 struct Wire {
