@@ -24,7 +24,7 @@ using boost::system::error_code;
 using net::ip::tcp;
 using namespace std::chrono_literals;
 
-constexpr auto awaited = net::as_tuple(net::use_awaitable_t<TargetStation::Executor>());
+constexpr auto awaited = net::as_tuple(net::use_awaitable);
 
 constexpr std::size_t read_buffer_octets = std::size_t{16} * 1024;
 /// Datagrams taken in one go before other work has its turn.
@@ -50,7 +50,7 @@ Endpoint to_endpoint(const tcp::endpoint& native) {
 Time clock_now() { return std::chrono::steady_clock::now(); }
 
 // How many octets the kernel takes at once. An error comes again, to whoever goes on writing.
-std::size_t write_now(TargetStation::TcpSocket& socket, cip::ByteView octets) {
+std::size_t write_now(tcp::socket& socket, cip::ByteView octets) {
     error_code error;
     const auto written = socket.write_some(net::buffer(octets.data(), octets.size()), error);
     return error ? 0 : written;
@@ -170,7 +170,7 @@ void TargetStation::serve_place() {
     }
 }
 
-TargetStation::Awaitable<void> TargetStation::accept(unsigned place) {
+net::awaitable<void> TargetStation::accept(unsigned place) {
     while (is_at(place)) {
         auto [error, socket] = co_await acceptor_.async_accept(awaited);
         if (!is_at(place) || error == net::error::operation_aborted) co_return;
@@ -184,7 +184,7 @@ TargetStation::Awaitable<void> TargetStation::accept(unsigned place) {
     }
 }
 
-TargetStation::Awaitable<void> TargetStation::serve(TcpSocket socket) {
+net::awaitable<void> TargetStation::serve(tcp::socket socket) {
     error_code error;
     socket.set_option(tcp::no_delay(true), error);
     socket.non_blocking(true, error);  // for write_now()
@@ -202,7 +202,7 @@ TargetStation::Awaitable<void> TargetStation::serve(TcpSocket socket) {
 
 // Replies to everything that one read brought leave in one write. While a peer does not take its replies, no more of
 // its requests are read, so that it holds one read and one batch of replies and nothing else.
-TargetStation::Awaitable<void> TargetStation::exchange(TargetStation::TcpSocket& socket, Target::ConnectionId id) {
+net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::ConnectionId id) {
     std::array<std::uint8_t, read_buffer_octets> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     auto& peer = peers_[id];
     while (!stopped_) {
@@ -245,7 +245,7 @@ TargetStation::Awaitable<void> TargetStation::exchange(TargetStation::TcpSocket&
 }
 
 // Closing with octets unread would reset the connection and could take the last reply with it.
-TargetStation::Awaitable<void> TargetStation::farewell(TargetStation::TcpSocket& socket, Target::ConnectionId id) {
+net::awaitable<void> TargetStation::farewell(tcp::socket& socket, Target::ConnectionId id) {
     error_code error;
     socket.shutdown(tcp::socket::shutdown_send, error);
     net::steady_timer limit(shared_.context, farewell_time);
@@ -262,7 +262,7 @@ TargetStation::Awaitable<void> TargetStation::farewell(TargetStation::TcpSocket&
     limit.cancel();
 }
 
-TargetStation::Awaitable<void> TargetStation::datagrams(DatagramSocket& socket, unsigned place) {
+net::awaitable<void> TargetStation::datagrams(DatagramSocket& socket, unsigned place) {
     while (is_at(place)) {
         const auto [error] = co_await socket.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
         if (!is_at(place) || error == net::error::operation_aborted) co_return;
@@ -280,7 +280,7 @@ TargetStation::Awaitable<void> TargetStation::datagrams(DatagramSocket& socket, 
     }
 }
 
-TargetStation::Awaitable<void> TargetStation::io(unsigned place) {
+net::awaitable<void> TargetStation::io(unsigned place) {
     while (is_at(place) && !io_.is_quiet()) {
         const auto [error] = co_await io_.socket().async_wait(net::ip::udp::socket::wait_read, awaited);
         if (!is_at(place) || error == net::error::operation_aborted) co_return;

@@ -27,12 +27,6 @@ namespace servobus::enip::asio {
 
 class TargetStation {
 public:
-    // The context's own executor and no type-erased one, which a request would be handed to several times.
-    using Executor = boost::asio::io_context::executor_type;
-    template <class T>
-    using Awaitable = boost::asio::awaitable<T, Executor>;
-    using TcpSocket = boost::asio::basic_stream_socket<boost::asio::ip::tcp, Executor>;
-
     /// What a station and the others on its thread share.
     struct Shared {
         boost::asio::io_context& context;
@@ -81,12 +75,12 @@ private:
     [[nodiscard]] bool is_at(unsigned place) const { return !stopped_ && place == place_; }
     void serve_place();
     void close_sockets();
-    Awaitable<void> accept(unsigned place);
-    Awaitable<void> serve(TcpSocket socket);
-    Awaitable<void> exchange(TcpSocket& socket, Target::ConnectionId id);
-    Awaitable<void> farewell(TcpSocket& socket, Target::ConnectionId id);
-    Awaitable<void> datagrams(DatagramSocket& socket, unsigned place);
-    Awaitable<void> io(unsigned place);
+    boost::asio::awaitable<void> accept(unsigned place);
+    boost::asio::awaitable<void> serve(boost::asio::ip::tcp::socket socket);
+    boost::asio::awaitable<void> exchange(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
+    boost::asio::awaitable<void> farewell(boost::asio::ip::tcp::socket& socket, Target::ConnectionId id);
+    boost::asio::awaitable<void> datagrams(DatagramSocket& socket, unsigned place);
+    boost::asio::awaitable<void> io(unsigned place);
 
     /// The same after everything that the station itself brings to the target; the deadline is looked at again.
     void after_event();
@@ -108,7 +102,7 @@ private:
         latest_ = std::max(latest_, received.time);
         target_.on_io(received.peer, received.local, received.octets, latest_);
     };
-    boost::asio::basic_socket_acceptor<boost::asio::ip::tcp, Executor> acceptor_;
+    boost::asio::ip::tcp::acceptor acceptor_;
     DatagramSocket unicast_;
     DatagramSocket directed_;  ///< the subnet's broadcast, which a socket bound to one address does not hear
     DatagramSocket limited_;   ///< 255.255.255.255
@@ -117,7 +111,7 @@ private:
     std::optional<Interface> interface_;
     /// One that reads may be woken; one that writes looks for more when it is done.
     struct Peer {
-        TcpSocket* socket = nullptr;
+        boost::asio::ip::tcp::socket* socket = nullptr;
         bool reads = false;
     };
     std::map<Target::ConnectionId, Peer> peers_;
