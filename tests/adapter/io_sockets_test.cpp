@@ -336,6 +336,28 @@ TEST_F(IoOverSockets, R_IO_7_AnotherAddressIsNotTheOriginator) {
     EXPECT_TRUE(next_of(socket, 0x0A110001));
 }
 
+// More datagrams than a server wakes for one by one. How fast they come is the machine's business; what they bring is not.
+TEST_F(IoOverSockets, ABusyServerLosesNothingAndAnswersWithWhatHasCome) {
+    listen(first_device);
+    start();
+    const Udp socket({originator, 0});
+    Session session(stations_[0]->place.local);
+    const auto link = session.open(1, true, false, socket.local().port);
+    ASSERT_TRUE(link);
+    std::uint32_t sequence = 0;
+    for (int round = 0; round < 10; ++round) {
+        for (int i = 0; i < 100; ++i, std::this_thread::sleep_for(50us)) {
+            ++sequence;
+            socket.send(io(0), owner_datagram(link->reply.o_to_t_id, sequence, 1000 + sequence));
+        }
+        EXPECT_TRUE(has_target(session, 1000 + sequence)) << "round " << round;
+    }
+    EXPECT_TRUE(next_of(socket, 0x0A110001)) << "the connection is still there";
+    std::this_thread::sleep_for(100ms);  // calm again
+    socket.send(io(0), owner_datagram(link->reply.o_to_t_id, sequence + 1, 77));
+    EXPECT_TRUE(has_target(session, 77));
+}
+
 TEST_F(IoOverSockets, R_MC_3_MulticastArrivesWhereSomebodyHasJoined) {
     listen(first_device);
     listen(second_device, stations_[0]->place.io_port);

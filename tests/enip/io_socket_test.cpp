@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "enip/asio/asio.hpp"
+#include "enip/asio/io_rhythm.hpp"
 
 namespace servobus::enip::asio {
 namespace {
@@ -67,6 +68,64 @@ TEST_F(IoSockets, GiveBothAddressesAndTheTimeOfArrival) {
     EXPECT_EQ(seen[0].local, second.local());
     EXPECT_EQ(seen[0].octets, cip::Bytes(4, 7));
     EXPECT_LE(seen[0].time, std::chrono::steady_clock::now());
+}
+
+TEST_F(IoSockets, WhileQuietWakeNobodyAndLoseNothing) {
+    bool aborted = false;
+    second.socket().async_wait(net::ip::udp::socket::wait_read,
+                               [&](auto error) { aborted = error == net::error::operation_aborted; });
+    second.set_quiet(true);
+    EXPECT_TRUE(second.is_quiet());
+    EXPECT_TRUE(second.is_open());
+    context.run_for(5s);
+    EXPECT_TRUE(aborted) << "whoever waits is told";
+
+    put({.local = first.local(), .peer = second.local()}, 7);
+    EXPECT_EQ(first.send(queue).sent, 1U);
+    std::size_t taken = 0;
+    const auto end = std::chrono::steady_clock::now() + 5s;
+    while (taken == 0 && std::chrono::steady_clock::now() < end) taken = second.receive([](const auto&) {});
+    EXPECT_EQ(taken, 1U) << "it is there to be received";
+    // It goes on to send from its own port.
+    queue.clear();
+    put({.local = second.local(), .peer = first.local()}, 8);
+    EXPECT_EQ(second.send(queue).sent, 1U);
+    EXPECT_EQ(receive(first, 1).at(0).peer, second.local());
+
+    queue.clear();
+    put({.local = first.local(), .peer = second.local()}, 9);
+    EXPECT_EQ(first.send(queue).sent, 1U);
+    second.set_quiet(false);
+    EXPECT_FALSE(second.is_quiet());
+    const auto seen = receive(second, 1);
+    ASSERT_EQ(seen.size(), 1U) << "what came while it was quiet wakes whoever waits afterwards";
+    EXPECT_EQ(seen[0].octets, cip::Bytes(4, 9));
+}
+
+TEST_F(IoSockets, AreClosedWhileQuietAndOpenAgain) {
+    const auto local = second.local();
+    second.set_quiet(true);
+    second.close();
+    EXPECT_FALSE(second.is_open());
+    EXPECT_FALSE(second.is_quiet());
+    EXPECT_FALSE(second.open(local, false)) << "the port is free again";
+}
+
+TEST(IoRhythm, IsBusyFromARateOnAndCalmBelowHalfOfIt) {
+    IoRhythm rhythm;
+    auto now = Time(1h);
+    // `each_ms` datagrams a millisecond, for long enough to be judged.
+    const auto run = [&](std::size_t each_ms) {
+        for (int i = 0; i < 3 * rhythm_window.count(); ++i) rhythm.count(each_ms, now += 1ms);
+        return rhythm.is_busy();
+    };
+    EXPECT_FALSE(run(3));
+    EXPECT_TRUE(run(5));
+    EXPECT_TRUE(run(3)) << "not below half of it";
+    EXPECT_FALSE(run(1));
+    EXPECT_TRUE(run(5));
+    rhythm.count(1000, now += 1s);
+    EXPECT_FALSE(rhythm.is_busy()) << "what comes after a long time is not a rate";
 }
 
 // The kernel begins to stamp some time after the first socket has asked for it, so the first datagrams may have the time
