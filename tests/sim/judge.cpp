@@ -12,7 +12,7 @@ using enum Invariant;
 constexpr std::array<Law, 21> laws{{
     {one_owner, "one_owner", "R-CON-30",
      "a device has one exclusive owner at most"},
-    {admitted_by_the_rules, "admitted_by_the_rules", "R-CON-26, R-CON-30, R-CON-32, R-CON-33, R-CON-48",
+    {admitted_by_the_rules, "admitted_by_the_rules", "R-CON-15, R-CON-26, R-CON-30, R-CON-32, R-CON-33, R-CON-48",
      "a Forward_Open is granted or refused as who is there already makes it"},
     {target_timeout_early, "target_timeout_early", "R-CON-18, R-CON-19, R-CON-20",
      "a connection of the device does not end before its time, unless it is closed"},

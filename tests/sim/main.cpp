@@ -35,23 +35,24 @@ struct Options {
 std::string clock_text(microseconds time) { return fmt::format("{:.6f} s", Seconds(time).count()); }
 
 void print(const Statistics& sum, Seconds real) {
+    const auto& [owners, onlookers, listeners, class3, refused, closed, timed_out, taken, stale, foreign, answers,
+                 lost] = sum.targets;
+    const auto& [io, requests, discovered] = sum.originators;
+    const auto& wire = sum.wire;
     fmt::print("  {} events, {:.0f} s simulated in {:.2f} s\n", sum.events, sum.simulated.count(), real.count());
-    fmt::print("  {} datagrams sent, {} delivered, {} lost, {} doubled, {} held back; {} TCP connections, {} reset\n",
-               sum.wire.sent, sum.wire.delivered, sum.wire.lost, sum.wire.duplicated, sum.wire.reordered,
-               sum.wire.streams, sum.wire.resets);
     fmt::print(
-        "  drives: {} opened, {} refused, {} closed, {} timed out; {} datagrams taken, {} stale; {} replies; {} owners "
-        "lost "
-        "in motion\n",
-        sum.targets.opened, sum.targets.refused, sum.targets.closed, sum.targets.timed_out, sum.targets.taken,
-        sum.targets.stale, sum.targets.answers, sum.targets.losses_in_motion);
+        "  lines: {} datagrams sent, {} delivered, {} lost, {} doubled, {} held back; {} TCP connections, {} reset\n",
+        wire.sent, wire.delivered, wire.lost, wire.duplicated, wire.reordered, wire.streams, wire.resets);
     fmt::print(
-        "  originators: {} opened, {} timed out; {} inputs, {} datagrams dropped; {} requests, {} answered, {} timed "
-        "out, "
-        "{} aborted; {} found by broadcast\n",
-        sum.originators.io.opened, sum.originators.io.timed_out, sum.originators.io.inputs, sum.originators.io.dropped,
-        sum.originators.requests.requests, sum.originators.requests.answered, sum.originators.requests.timed_out,
-        sum.originators.requests.aborted, sum.originators.discovered);
+        "  drives: opened for {} owners, {} input only, {} listen only, {} class 3; {} refused, {} closed, {} timed "
+        "out\n",
+        owners, onlookers, listeners, class3, refused, closed, timed_out);
+    fmt::print("  drives: {} datagrams taken, {} stale, {} foreign; {} replies; {} owners lost in motion\n", taken,
+               stale, foreign, answers, lost);
+    fmt::print("  originators: {} opened, {} timed out; {} inputs, {} datagrams dropped\n", io.opened, io.timed_out,
+               io.inputs, io.dropped);
+    fmt::print("  originators: {} requests, {} answered, {} timed out, {} aborted; {} found by broadcast\n",
+               requests.requests, requests.answered, requests.timed_out, requests.aborted, discovered);
 }
 
 void print(const Outcome& outcome, const Scenario& scenario) {

@@ -34,6 +34,7 @@ scanner::IoOptions options_of(const ConnectionSpec& spec) {
     plan.trigger = static_cast<enip::Trigger>(spec.trigger);
     plan.inhibit = spec.inhibit;
     plan.large = spec.large;
+    plan.redundant_owner = spec.redundant;
     return options;
 }
 

@@ -18,11 +18,12 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::array<const char*, 20> kind_names{"open",           "close",        "run",           "idle",
+constexpr std::array<const char*, 21> kind_names{"open",           "close",        "run",           "idle",
                                                  "move",           "hold",         "relax",         "start_client",
                                                  "stop_client",    "faults",       "cut",           "reset_streams",
                                                  "crash_node",     "kill_drive",   "power_cycle",   "restart_drive",
-                                                 "close_sessions", "hold_up_node", "hold_up_drive", "discover"};
+                                                 "close_sessions", "hold_up_node", "hold_up_drive", "discover",
+                                                 "forge"};
 constexpr std::array<const char*, 3> way_names{"both", "to_drive", "to_node"};
 
 // ------------------------------------------------------------------------------------------------------- drawing
@@ -67,6 +68,7 @@ private:
         spec.t_to_o_point = kind.t_to_o_point;
         spec.multicast = kind.kind == assemblies::Connection::Kind::listen_only || random_.chance(0.4);
         spec.large = random_.chance(0.3);
+        spec.redundant = !owner && random_.chance(0.1);
         spec.o_to_t_rpi = milliseconds(random_.of(intervals));
         // Whoever joins a group has to ask for what the first has asked for: one interval for most of them.
         spec.t_to_o_rpi = spec.multicast && random_.chance(0.9) ? milliseconds(4) : milliseconds(random_.of(intervals));
@@ -170,13 +172,14 @@ private:
         } else if (dice < 90) {
             action.kind = Kind::close_sessions;
             action.subject = any_drive();
-        } else if (dice < 98) {
+        } else if (dice < 97) {
             action.kind = random_.chance(0.5) ? Kind::hold_up_node : Kind::hold_up_drive;
             action.subject = action.kind == Kind::hold_up_node ? any_node() : any_drive();
             action.duration = any_duration(seconds(2));
         } else {
-            action.kind = Kind::discover;
+            action.kind = random_.chance(0.5) ? Kind::discover : Kind::forge;
             action.subject = any_node();
+            if (action.kind == Kind::forge) action.other = any_drive();
         }
         add(action);
     }
@@ -223,6 +226,7 @@ json written(const ConnectionSpec& spec) {
             {"t_to_o_rpi", count(spec.t_to_o_rpi)},
             {"multiplier", spec.multiplier},
             {"trigger", spec.trigger}};
+    if (spec.redundant) to["redundant"] = true;
     if (spec.inhibit) to["inhibit"] = count(*spec.inhibit);
     return to;
 }
@@ -238,6 +242,7 @@ ConnectionSpec read_connection(const json& from) {
                         .t_to_o_rpi = microseconds(from.at("t_to_o_rpi").get<std::int64_t>()),
                         .multiplier = from.at("multiplier"),
                         .trigger = from.at("trigger")};
+    spec.redundant = from.value("redundant", false);
     if (from.contains("inhibit")) spec.inhibit = microseconds(from.at("inhibit").get<std::int64_t>());
     return spec;
 }
@@ -323,6 +328,7 @@ bool is_sound(const Scenario& scenario) {
             case Kind::faults:
             case Kind::cut:
             case Kind::reset_streams:
+            case Kind::forge:
                 return each.subject < scenario.nodes && each.other < drives;
             case Kind::crash_node:
             case Kind::hold_up_node:

@@ -35,6 +35,7 @@ struct ConnectionSpec {
     unsigned t_to_o_point = 100;
     bool multicast = false;
     bool large = false;
+    bool redundant = false;  ///< owner; no device here grants that
     microseconds o_to_t_rpi{10'000};
     microseconds t_to_o_rpi{10'000};
     unsigned multiplier = 2;  ///< code 0 to 7
@@ -75,6 +76,7 @@ struct Action {
         hold_up_node,    ///< the program of node `subject` gets no CPU for `duration`
         hold_up_drive,   ///< the same of drive `subject`
         discover,        ///< node `subject` broadcasts ListIdentity
+        forge,           ///< node `subject` sends drive `other` data in the name of connections of other nodes
     };
     enum class Way : std::uint8_t { both, to_drive, to_node };
 

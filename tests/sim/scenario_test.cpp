@@ -41,7 +41,7 @@ TEST(Scenario, DrawsEverythingThereIs) {
             change_of_state = change_of_state || connection.trigger != 0;
         }
     }
-    EXPECT_EQ(kinds.size(), static_cast<std::size_t>(Action::Kind::discover) + 1);
+    EXPECT_EQ(kinds.size(), static_cast<std::size_t>(Action::Kind::forge) + 1);
     EXPECT_EQ(points.size(), 11U);
     EXPECT_TRUE(multicast);
     EXPECT_TRUE(change_of_state);

@@ -11,7 +11,9 @@ using Kind = Action::Kind;
 
 bool is_of_connection(Kind kind) { return kind <= Kind::relax; }
 bool is_of_client(Kind kind) { return kind == Kind::start_client || kind == Kind::stop_client; }
-bool is_of_line(Kind kind) { return kind == Kind::faults || kind == Kind::cut || kind == Kind::reset_streams; }
+bool is_of_line(Kind kind) {
+    return kind == Kind::faults || kind == Kind::cut || kind == Kind::reset_streams || kind == Kind::forge;
+}
 bool is_of_node(Kind kind) {
     return kind == Kind::crash_node || kind == Kind::hold_up_node || kind == Kind::discover || is_of_line(kind);
 }

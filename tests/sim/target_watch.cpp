@@ -42,12 +42,11 @@ constexpr double highest_speed = 50'000;
 /// R-CON-48.
 constexpr std::size_t listening_connections = 8;
 
-std::int64_t value_of(const drive::Device& device, drive::Key key) {
-    const auto* row = device.find(key);
+std::int64_t value_of(const drive::Device& device, const drive::Parameter* row) {
     return std::get<std::int64_t>(device.store().value(*row));
 }
-std::uint32_t word_of(const drive::Device& device, drive::Key key) {
-    return static_cast<std::uint32_t>(value_of(device, key));
+std::uint32_t word_of(const drive::Device& device, const drive::Parameter* row) {
+    return static_cast<std::uint32_t>(value_of(device, row));
 }
 
 std::int64_t in_microseconds(Time::duration time) { return std::chrono::duration_cast<microseconds>(time).count(); }
@@ -95,6 +94,7 @@ void TargetWatch::report(Invariant invariant, Time now, const std::string& what)
 // ------------------------------------------------------------------------------------------------------- streams
 
 void TargetWatch::restarted(Time now, Time until) {
+    rows_ = {};
     connections_.clear();
     productions_.clear();
     explicit_.clear();
@@ -245,6 +245,7 @@ TargetWatch::ProductionKey TargetWatch::key_of(const Connection& connection) con
 std::optional<std::string> TargetWatch::reason_to_refuse(const cip::ForwardOpen& open) const {
     const auto is_triad = [&](const auto& entry) { return entry.second.request.triad == open.triad; };
     if (std::ranges::any_of(connections_, is_triad)) return "its triad is open (R-CON-26)";
+    if (open.o_to_t.redundant_owner) return "it asks for a redundant owner (R-CON-15)";
     const auto* kind = kind_of(open);
     if (kind == nullptr) return std::nullopt;
     using Kind = assemblies::Connection::Kind;
@@ -288,11 +289,11 @@ void TargetWatch::granted(StreamKey key, const Stream& stream, const cip::Forwar
         report(Invariant::reply_is_asked_for, now, "the reply to a Forward_Open is about another connection");
         return;
     }
-    ++counters_.opened;
     const auto interval = microseconds(open.o_to_t_rpi);
     const auto timeout = interval * (std::int64_t{4} << open.timeout_multiplier);
     const auto deadline = now + std::max<microseconds>(timeout, 10s);
     if (open.transport.transport_class == 3) {
+        ++counters_.class3;
         explicit_[reply->o_to_t_id] = {open.triad, key, timeout, deadline};
         return;
     }
@@ -320,6 +321,7 @@ void TargetWatch::granted(StreamKey key, const Stream& stream, const cip::Forwar
         production.book =
             ProductionBook({microseconds(open.t_to_o_rpi), inhibit_of(open), open.transport.trigger == 0}, now);
     }
+    ++(connection.is_owner() ? counters_.owners : connection.is_listener() ? counters_.listeners : counters_.onlookers);
     connections_.emplace(reply->o_to_t_id, std::move(connection));
 }
 
@@ -377,6 +379,7 @@ void TargetWatch::hears_io(std::uint32_t peer, cip::ByteView octets, Time now) {
     auto& connection = found->second;
     const bool fits =
         peer == connection.originator && packet->data.size() == connection.request.o_to_t.size;  // R-IO-7, R-IO-8
+    if (!fits) ++counters_.foreign;
     if (!fits || connection.deadline <= now) return;
     if (connection.sequence && static_cast<std::int32_t>(packet->sequence - *connection.sequence) <= 0) {  // R-IO-5
         ++counters_.stale;
@@ -490,17 +493,28 @@ void TargetWatch::settle_connections(const adapter::Adapter& adapter, Time now) 
     }
 }
 
+/// Looked up once, since they are read after each event.
+void TargetWatch::find_rows(const drive::Device& device) {
+    rows_ = {&device,
+             device.find(status_word),
+             device.find(process_status),
+             device.find(actual_position),
+             device.find(target_position),
+             device.find(quick_stop_deceleration)};
+}
+
 void TargetWatch::settle_axis(const drive::Device& device, Time now) {
-    const auto status = word_of(device, status_word) & state_bits;
+    if (rows_.device != &device) find_rows(device);
+    const auto status = word_of(device, rows_.status) & state_bits;
     const auto* runs = owner();
     const bool controlled = runs != nullptr && runs->run;
-    if (target_ && controlled && value_of(device, target_position) != *target_) {
+    if (target_ && controlled && value_of(device, rows_.target) != *target_) {
         report(Invariant::newest_data_is_in_force, now,
-               fmt::format("the target is {}, and the owner has said {}", value_of(device, target_position), *target_));
+               fmt::format("the target is {}, and the owner has said {}", value_of(device, rows_.target), *target_));
     }
-    const bool moves = (word_of(device, process_status) & in_motion) != 0;
+    const bool moves = (word_of(device, rows_.process) & in_motion) != 0;
     if (controlled_ && !controlled) {
-        const auto ramp = highest_speed / static_cast<double>(value_of(device, quick_stop_deceleration));
+        const auto ramp = highest_speed / static_cast<double>(value_of(device, rows_.quick_stop));
         loss_ = Loss{.at = now, .stops_by = now + settling_time + microseconds(static_cast<std::int64_t>(ramp * 1e6))};
         if (moves) ++counters_.losses_in_motion;
         if (status_before_ == operation_enabled && status != quick_stop_active) {
@@ -512,7 +526,7 @@ void TargetWatch::settle_axis(const drive::Device& device, Time now) {
     } else if (!loss_) {
         loss_ = Loss{.at = now, .stops_by = now};
     } else if (now > loss_->stops_by) {
-        const auto place = value_of(device, actual_position);
+        const auto place = value_of(device, rows_.position);
         if (!loss_->place) loss_->place = place;
         if (moves || std::abs(place - *loss_->place) > standing_window) {
             report(Invariant::drive_stands_without_owner, now,

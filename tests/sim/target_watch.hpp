@@ -52,12 +52,16 @@ public:
     void expect_nothing(const adapter::Adapter& adapter, Time now);
 
     struct Counters {
-        std::uint64_t opened = 0;
+        std::uint64_t owners = 0;     ///< opened
+        std::uint64_t onlookers = 0;  ///< opened, input only
+        std::uint64_t listeners = 0;  ///< opened, listen only
+        std::uint64_t class3 = 0;     ///< opened
         std::uint64_t refused = 0;
         std::uint64_t closed = 0;
         std::uint64_t timed_out = 0;
         std::uint64_t taken = 0;  ///< datagrams
         std::uint64_t stale = 0;
+        std::uint64_t foreign = 0;  ///< from another address, or of another size
         std::uint64_t answers = 0;
         std::uint64_t losses_in_motion = 0;  ///< of the owner, while the axis moved
     };
@@ -122,6 +126,7 @@ private:
     void settle_explicit(const adapter::Adapter& adapter, Time now);
     void settle_answers(Time now);
     void settle_axis(const drive::Device& device, Time now);
+    void find_rows(const drive::Device& device);
 
     unsigned number_;
     Judge* judge_;
@@ -133,6 +138,17 @@ private:
     std::map<StreamKey, Stream> streams_;
     std::optional<std::int64_t> target_{};  ///< what the newest datagram of the owner has said
     Counters counters_;
+
+    /// What of the axis is looked at, in the table of this device.
+    struct Rows {
+        const drive::Device* device = nullptr;
+        const drive::Parameter* status = nullptr;
+        const drive::Parameter* process = nullptr;
+        const drive::Parameter* position = nullptr;
+        const drive::Parameter* target = nullptr;
+        const drive::Parameter* quick_stop = nullptr;
+    };
+    Rows rows_;
 
     /// Since when no owner runs, and what the axis did then.
     struct Loss {

@@ -188,6 +188,13 @@ TEST_F(Target, RefusesASecondOwner) {
     EXPECT_EQ(broken(judge), "nothing");
 }
 
+TEST_F(Target, GrantsARedundantOwner) {
+    auto open = wanted(1);
+    open.o_to_t.redundant_owner = true;
+    grant(open, 100);
+    EXPECT_EQ(broken(judge), "admitted_by_the_rules");
+}
+
 TEST_F(Target, GrantsTheSameTriadTwice) {
     grant(wanted(1, "input-only"), 100);
     grant(wanted(1, "input-only"), 101);

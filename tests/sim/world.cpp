@@ -104,6 +104,22 @@ void World::perform(const Action& action) {
             return drives_[action.subject]->hold_up(action.duration);
         case Kind::discover:
             return nodes_[action.subject]->discover();
+        case Kind::forge:
+            return forge(action.subject, action.other);
+    }
+}
+
+/// Newer than everything, of the right size, and from an address that has no such connection (R-IO-7).
+void World::forge(unsigned node, unsigned drive) {
+    const auto* adapter = drives_[drive]->adapter();
+    if (adapter == nullptr) return;
+    for (const auto& connection : adapter->io().all()) {
+        if (connection->originator.address == Neighbourhood::node_address(node)) continue;
+        constexpr std::uint32_t ahead = 1'000'000;
+        cip::Bytes octets(enip::io_packet_overhead + connection->request.o_to_t.size, 0x55);
+        static_cast<void>(enip::begin_io_packet(octets, connection->o_to_t_id, ahead));
+        wire_.send(node, drive, End::drive, {Neighbourhood::node_address(node), enip::io_port},
+                   {Neighbourhood::drive_address(drive), enip::io_port}, octets);
     }
 }
 
@@ -136,12 +152,16 @@ Statistics World::statistics() const {
                    .simulated = queue_.now() - began_};
     for (const auto& drive : drives_) {
         const auto& more = drive->watch().counters();
-        sum.targets.opened += more.opened;
+        sum.targets.owners += more.owners;
+        sum.targets.onlookers += more.onlookers;
+        sum.targets.listeners += more.listeners;
+        sum.targets.class3 += more.class3;
         sum.targets.refused += more.refused;
         sum.targets.closed += more.closed;
         sum.targets.timed_out += more.timed_out;
         sum.targets.taken += more.taken;
         sum.targets.stale += more.stale;
+        sum.targets.foreign += more.foreign;
         sum.targets.answers += more.answers;
         sum.targets.losses_in_motion += more.losses_in_motion;
     }

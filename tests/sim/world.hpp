@@ -42,6 +42,7 @@ public:
 
 private:
     void perform(const Action& action);
+    void forge(unsigned node, unsigned drive);
     void leave();
     void look_around();
     [[nodiscard]] bool run_until(Time end);
