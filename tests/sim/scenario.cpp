@@ -43,7 +43,10 @@ public:
         const auto drives = 1 + random_.below(3);
         for (unsigned i = 0; i < drives; ++i) scenario_.drives.push_back({random_.chance(0.5)});
         const auto connections = 1 + random_.below(3 * drives + 2);
-        for (unsigned i = 0; i < connections; ++i) scenario_.connections.push_back(connection(i < drives, i));
+        for (unsigned i = 0; i < connections; ++i) {
+            scenario_.connections.push_back(connection(i < drives, i));
+            if (random_.chance(0.3)) scenario_.connections.push_back(companion(scenario_.connections.back()));
+        }
         const auto clients = random_.below(4);
         for (unsigned i = 0; i < clients; ++i) scenario_.clients.push_back(client());
         begin();
@@ -82,6 +85,20 @@ private:
                     milliseconds(random_.between(1, std::max<std::int64_t>(1, spec.t_to_o_rpi.count() / 1000)));
             }
         }
+        return spec;
+    }
+
+    /// Somebody who looks on, and mostly wants what the other wants: joins its group, or listens to it.
+    ConnectionSpec companion(const ConnectionSpec& other) {
+        auto spec = other;
+        spec.node = any_node();
+        spec.o_to_t_point = random_.chance(0.5) ? assemblies::input_only_point : assemblies::listen_only_point;
+        spec.o_to_t_rpi = milliseconds(random_.between(1, 50));
+        spec.redundant = false;
+        if (random_.chance(0.9)) return spec;
+        spec.trigger = 0;
+        spec.inhibit.reset();
+        spec.t_to_o_rpi *= 2;
         return spec;
     }
 
