@@ -60,6 +60,8 @@ void print(const Outcome& outcome, const Scenario& scenario) {
     fmt::print("BROKEN: {} ({})\n  {}\n  seed {}, {} after the beginning\n  {}\n  what was done before:\n", text.name,
                text.rules, text.words, scenario.seed, clock_text(outcome.failed_at), outcome.violation->what);
     for (const auto& line : outcome.last) fmt::print("    {}\n", line);
+    fmt::print("  what arrived before:\n");
+    for (const auto& line : outcome.arrived) fmt::print("    {}\n", line);
 }
 
 std::optional<Failure> play(const Scenario& scenario) {

@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "cip/wire.hpp"
+#include "enip/encapsulation.hpp"
+#include "enip/io_packet.hpp"
+
 namespace servobus::sim {
 namespace {
 
@@ -99,6 +103,7 @@ void Wire::arrive(std::uint32_t slot) {
         ++counters_.lost;
     } else {
         ++counters_.delivered;
+        note(packet);
         receiver.on_packet(packet);
     }
     packets_[slot] = std::move(packet);
@@ -222,6 +227,12 @@ void Wire::arrive(StreamId id, End to, const Segment& segment) {
             break;
         case Kind::octets:
             if (open) {
+                arrivals_[arrived_++ % arrivals_.size()] = {.at = queue_.now(),
+                                                            .node = stream.node,
+                                                            .drive = stream.drive,
+                                                            .to = to,
+                                                            .stream = id,
+                                                            .octets = segment.octets.size()};
                 receiver.on_octets(id, segment.octets);
             } else if (stream.open[static_cast<std::size_t>(other_end(to))]) {
                 push(id, stream, other_end(to), Kind::reset);  // nobody reads here any more
@@ -233,6 +244,38 @@ void Wire::arrive(StreamId id, End to, const Segment& segment) {
             break;
     }
     forget_if_over(id);
+}
+
+/// Of class 1 also whose it is, from their places in the datagram (R-IO-1).
+void Wire::note(const Packet& packet) {
+    auto& arrival = arrivals_[arrived_++ % arrivals_.size()];
+    arrival = {.at = queue_.now(),
+               .node = packet.node,
+               .drive = packet.drive,
+               .to = packet.to,
+               .octets = packet.octets.size()};
+    if (packet.destination.port != enip::io_port || packet.octets.size() < enip::io_packet_overhead) return;
+    cip::Reader reader(cip::ByteView(packet.octets).subspan(6));
+    arrival.id = reader.u32();
+    arrival.sequence = reader.u32();
+}
+
+std::vector<std::string> Wire::last_arrivals(Time began) const {
+    std::vector<std::string> lines;
+    const auto count = std::min<std::uint64_t>(arrived_, arrivals_.size());
+    for (auto i = arrived_ - count; i < arrived_; ++i) {
+        const auto& each = arrivals_[i % arrivals_.size()];
+        const auto time = std::chrono::duration<double>(each.at - began).count();
+        const auto what = each.stream != 0 ? fmt::format("TCP connection {}", each.stream)
+                          : each.id != 0   ? fmt::format("id 0x{:08X}, number {}", each.id, each.sequence)
+                                           : std::string("a datagram");
+        lines.push_back(fmt::format(
+            "{:.6f} s, {} {} {}: {}, {} octets", time, each.to == End::drive ? "node" : "drive",
+            each.to == End::drive ? each.node : each.drive,
+            each.to == End::drive ? fmt::format("to drive {}", each.drive) : fmt::format("to node {}", each.node), what,
+            each.octets));
+    }
+    return lines;
 }
 
 std::string Wire::describe_streams() const {

@@ -95,8 +95,21 @@ public:
     /// Which ends of which of them, for people.
     [[nodiscard]] std::string describe_streams() const;
     [[nodiscard]] const WireCounters& counters() const { return counters_; }
+    /// What has arrived last, the latest at the end; times count from `began`.
+    [[nodiscard]] std::vector<std::string> last_arrivals(Time began) const;
 
 private:
+    /// For people who look for the cause of something.
+    struct Arrival {
+        Time at{};
+        unsigned node = 0;
+        unsigned drive = 0;
+        End to = End::drive;
+        StreamId stream = 0;  ///< 0: a datagram
+        std::size_t octets = 0;
+        std::uint32_t id = 0;
+        std::uint32_t sequence = 0;
+    };
     struct Line {
         Faults faults{};
         Time cut_until{};
@@ -133,6 +146,7 @@ private:
     [[nodiscard]] Host& host(const Stream& stream, End end) {
         return *hosts_[static_cast<std::size_t>(end)][end == End::node ? stream.node : stream.drive];
     }
+    void note(const Packet& packet);
     void travel(Line& line, std::uint32_t slot);
     void arrive(std::uint32_t slot);
     [[nodiscard]] std::uint32_t free_slot();
@@ -152,6 +166,8 @@ private:
     std::unordered_map<StreamId, Stream> streams_;
     StreamId last_stream_ = 0;
     WireCounters counters_;
+    std::array<Arrival, 16> arrivals_{};
+    std::uint64_t arrived_ = 0;
 };
 
 }  // namespace servobus::sim

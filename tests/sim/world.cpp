@@ -50,6 +50,7 @@ Outcome World::run(const std::function<void(const std::string&)>& trace) {
     Outcome outcome{.violation = judge_.violation(),
                     .failed_at = {},
                     .last = {last_.begin(), last_.end()},
+                    .arrived = wire_.last_arrivals(began_),
                     .statistics = statistics()};
     if (outcome.violation) {
         outcome.failed_at = std::chrono::duration_cast<std::chrono::microseconds>(outcome.violation->at - began_);

@@ -26,6 +26,7 @@ struct Outcome {
     std::optional<Violation> violation;
     std::chrono::microseconds failed_at{};  ///< since the beginning
     std::vector<std::string> last;          ///< what the scenario did before it
+    std::vector<std::string> arrived;       ///< and what came out of the lines
     Statistics statistics;
 };
 
