@@ -158,6 +158,11 @@ error_code IoSocket::open(Endpoint local, bool shared) {
     return error;
 }
 
+void IoSocket::tell_ttl() {
+    constexpr int on = 1;
+    static_cast<void>(set_option(native(), IPPROTO_IP, IP_RECVTTL, on));
+}
+
 void IoSocket::close() {
     error_code ignored;
     if (is_quiet()) ::close(std::exchange(quiet_, -1));
@@ -217,6 +222,9 @@ std::size_t IoSocket::receive(const std::function<void(const Received&)>& take) 
         for (auto* header = CMSG_FIRSTHDR(&message); header != nullptr; header = CMSG_NXTHDR(&message, header)) {
             if (header->cmsg_level == IPPROTO_IP && header->cmsg_type == IP_PKTINFO) {
                 received.local.address = ntohl(content<in_pktinfo>(header).ipi_addr.s_addr);
+            }
+            if (header->cmsg_level == IPPROTO_IP && header->cmsg_type == IP_TTL) {
+                received.ttl = static_cast<std::uint8_t>(content<int>(header));
             }
             if (header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_TIMESTAMPNS) {
                 received.time = clocks.to_steady(content<timespec>(header));

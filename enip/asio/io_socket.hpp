@@ -42,6 +42,8 @@ public:
     /// `shared`: others may listen there too, as a group needs it. After an error it is closed and may be opened again.
     [[nodiscard]] boost::system::error_code open(Endpoint local, bool shared);
     void close();
+    /// Received::ttl is told from now on, which costs something for each datagram.
+    void tell_ttl();
     /// To wait with; not while it is quiet.
     [[nodiscard]] boost::asio::ip::udp::socket& socket() { return socket_; }
     /// While it is quiet what comes wakes nobody, and waits to be received. Whoever waits is told operation_aborted.
@@ -59,7 +61,8 @@ public:
         Endpoint peer;
         Endpoint local;  ///< where it was sent to: our own address, or a group
         cip::ByteView octets;
-        Time time;  ///< when the kernel took it; never later than now
+        Time time;             ///< when the kernel took it; never later than now
+        std::uint8_t ttl = 0;  ///< of the IP header; 0 when it is not told
     };
     /// Takes what waits, at most io_batch datagrams, and says how many: when that many, more may wait. `take` may close
     /// the socket, but not destroy it.
