@@ -11,7 +11,7 @@ install(TARGETS
     EXPORT servobusTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS servobus_adapter_main servobus_scanner_main RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY drive cip assemblies eds enip adapter scanner DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/servobus
-    FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE PATTERN cli EXCLUDE PATTERN axes EXCLUDE
+    FILES_MATCHING PATTERN "*.hpp" PATTERN examples EXCLUDE PATTERN cli EXCLUDE PATTERN conformance EXCLUDE PATTERN axes EXCLUDE
     PATTERN adapter/axis_file.hpp EXCLUDE PATTERN adapter/config.hpp EXCLUDE PATTERN adapter/file_settings.hpp EXCLUDE PATTERN adapter/control.hpp EXCLUDE
     PATTERN adapter/access_file.hpp EXCLUDE PATTERN adapter/flash_file.hpp EXCLUDE
     PATTERN adapter/terminal_sink.hpp EXCLUDE PATTERN adapter/event_json.hpp EXCLUDE PATTERN adapter/json_document.hpp EXCLUDE

@@ -48,6 +48,26 @@ void add_interval_option(CLI::App& app, ConnectionArguments& arguments, const st
              fmt::format("Requested packet interval of both directions, in milliseconds ({})", usual));
 }
 
+void add_number_options(CLI::App& app, ConnectionArguments& arguments) {
+    const auto size = [&](const std::string& name, std::optional<std::size_t>& target, const std::string& which) {
+        app.add_option(name, target, "Octets of the application " + which + ", without header and sequence count")
+            ->type_name("OCTETS")
+            ->check(CLI::Range(std::size_t{0}, max_io_octets));
+    };
+    app.add_option("--o2t", arguments.o_to_t_point, "Connection point of the outputs, instead of --connection")
+        ->type_name("POINT");
+    size("--o2t-size", arguments.o_to_t_octets, "in the outputs");
+    app.add_option("--t2o", arguments.t_to_o_point,
+                   "Connection point of the inputs; with input-only and listen-only 100, 105 or 113")
+        ->type_name("POINT");
+    size("--t2o-size", arguments.t_to_o_octets, "in the inputs");
+    add_text(app, "--config-instance", arguments.config_instance, "N",
+             "Instance of the configuration assembly, or none (1 for a XENAX, otherwise none)");
+    add_text(app, "--config", arguments.config, "HEX", "Configuration data, pairs of hex digits");
+    add_text(app, "--o2t-format", arguments.o_to_t_format, "FORMAT", "header32, modeless, heartbeat or zero-length");
+    add_text(app, "--t2o-format", arguments.t_to_o_format, "FORMAT", "The same for the inputs");
+}
+
 CLI::App& IoCommandLine::add_verb(CLI::App& app, const std::string& name, const std::string& description) {
     auto& verb = *app.add_subcommand(name, description);
     decorate_(verb);
@@ -59,7 +79,7 @@ CLI::App& IoCommandLine::add_verb(CLI::App& app, const std::string& name, const 
                     "The connections of this data sheet: --connection takes a name, the beginning of one, or a number")
         ->type_name("FILE");
     add_connection_option(verb, arguments_.connection);
-    add_numbers(verb);
+    add_number_options(verb, arguments_.connection);
     add_interval_option(verb, arguments_.connection, "10");
     add_manners(verb);
     return verb;
@@ -70,27 +90,6 @@ void IoCommandLine::take_positional() {
     auto& connection = arguments_.connection.connection;
     if (!connection.empty()) throw CLI::ValidationError("CONNECTION", "it is given as --connection already");
     connection = positional_;
-}
-
-void IoCommandLine::add_numbers(CLI::App& verb) {
-    auto& to = arguments_.connection;
-    const auto size = [&](const std::string& name, std::optional<std::size_t>& target, const std::string& which) {
-        verb.add_option(name, target, "Octets of the application " + which + ", without header and sequence count")
-            ->type_name("OCTETS")
-            ->check(CLI::Range(std::size_t{0}, max_io_octets));
-    };
-    verb.add_option("--o2t", to.o_to_t_point, "Connection point of the outputs, instead of --connection")
-        ->type_name("POINT");
-    size("--o2t-size", to.o_to_t_octets, "in the outputs");
-    verb.add_option("--t2o", to.t_to_o_point,
-                    "Connection point of the inputs; with input-only and listen-only 100, 105 or 113")
-        ->type_name("POINT");
-    size("--t2o-size", to.t_to_o_octets, "in the inputs");
-    add_text(verb, "--config-instance", to.config_instance, "N",
-             "Instance of the configuration assembly, or none (1 for a XENAX, otherwise none)");
-    add_text(verb, "--config", to.config, "HEX", "Configuration data, pairs of hex digits");
-    add_text(verb, "--o2t-format", to.o_to_t_format, "FORMAT", "header32, modeless, heartbeat or zero-length");
-    add_text(verb, "--t2o-format", to.t_to_o_format, "FORMAT", "The same for the inputs");
 }
 
 void IoCommandLine::add_manners(CLI::App& verb) {

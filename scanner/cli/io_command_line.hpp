@@ -16,6 +16,8 @@ namespace servobus::scanner::cli {
 
 /// `--connection` alone, for who knows the device.
 void add_connection_option(CLI::App& app, ConnectionArguments& arguments);
+/// `--o2t` and what goes with it: the numbers of a connection of any device.
+void add_number_options(CLI::App& app, ConnectionArguments& arguments);
 /// `--rpi`.
 void add_interval_option(CLI::App& app, ConnectionArguments& arguments, const std::string& usual);
 
@@ -30,7 +32,6 @@ public:
 private:
     void take_positional();
     CLI::App& add_verb(CLI::App& app, const std::string& name, const std::string& description);
-    void add_numbers(CLI::App& verb);
     void add_manners(CLI::App& verb);
     void add_files(CLI::App& verb);
     void add_scheduling(CLI::App& verb);

@@ -12,6 +12,7 @@
 
 #include "scanner/cli/axis_command_line.hpp"
 #include "scanner/cli/completion.hpp"
+#include "scanner/cli/conformance_command_line.hpp"
 #include "scanner/cli/eds_command_line.hpp"
 #include "scanner/cli/exit_code.hpp"
 #include "scanner/cli/io_command_line.hpp"
@@ -47,11 +48,12 @@ public:
         add_axis();
         add_io();
         add_eds();
+        add_conformance();
         add_offline();
     }
 
     ExitCode run(std::vector<std::string> arguments) {
-        console_.json = std::ranges::find(arguments, "--json") != arguments.end();
+        console_.json = wants_document(arguments);
         std::ranges::reverse(arguments);
         try {
             app_.parse(std::move(arguments));
@@ -72,7 +74,9 @@ private:
     /// Options before or behind the verb mean the same.
     void add_common(CLI::App& app, bool talks = true) {
         app.add_flag("--json", settings_.json, "Print one JSON document instead of text");
-        if (!talks) return;
+        if (talks) add_timeout(app);
+    }
+    void add_timeout(CLI::App& app) {
         app.add_option("--timeout", timeout_s_, "Longest time to wait for the device, in seconds (5)")
             ->type_name("SECONDS");
     }
@@ -217,6 +221,19 @@ private:
 
     void add_eds() { eds_.add_to(app_, decoration(), chooser()); }
 
+    void add_conformance() {
+        conformance_.add_to(
+            app_, [this](CLI::App& verb) { add_timeout(verb); }, chooser());
+    }
+
+    /// Whether standard output is for a program: `--json`, which behind `conformance` takes a file.
+    static bool wants_document(const std::vector<std::string>& arguments) {
+        const auto found = std::ranges::find(arguments, "--json");
+        if (found == arguments.end()) return false;
+        const bool takes_file = std::find(arguments.begin(), found, "conformance") != found;
+        return !takes_file || (found + 1 != arguments.end() && *(found + 1) == "-");
+    }
+
     /// What verbs of a command line of their own have as well.
     std::function<void(CLI::App&)> decoration() {
         return [this](CLI::App& verb) {
@@ -319,6 +336,7 @@ private:
     AxisCommandLine axis_;
     IoCommandLine io_;
     EdsCommandLine eds_;
+    ConformanceCommandLine conformance_;
     SheetArguments sheet_;
     ResetArguments reset_;
     bool reset_all_ = false;
