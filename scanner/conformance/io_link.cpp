@@ -132,6 +132,7 @@ public:
             bench.require(false, fmt::format("no UDP port for the inputs: {}", error.message()));
             return;
         }
+        port_.tell_ttl();
         request_ = open_of(session_, plan_, change);
         std::vector<enip::Item> items;
         if (request_.t_to_o.type == cip::ConnectionType::point_to_point) {
@@ -165,6 +166,7 @@ public:
         // Heard where the group is the address, so that nobody else's group is taken for this one.
         auto error = group_.open(*grant_.group, true);
         if (!error) error = group_.join(grant_.group->address, own);
+        if (!error) group_.tell_ttl();
         if (error) session_.bench().note(fmt::format("the group cannot be joined: {}", error.message()));
     }
 
