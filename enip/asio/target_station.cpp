@@ -221,8 +221,10 @@ net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::Connec
         if (error) co_return;
         cip::ByteView octets(buffer.data(), size);
         while (!octets.empty()) {
-            if (io_.is_quiet()) receive_io();  // what came before, and
-            static_cast<void>(catch_up());     // what was due before comes before
+            // What has come before and what was due before come before; the latter also leaves before, since after the reply
+            // to a Forward_Close nothing of the connection does (R-CON-37).
+            if (io_.is_quiet()) receive_io();
+            if (catch_up()) flush();
             octets = octets.subspan(target_.on_octets(id, octets, now()));
             const auto replies = target_.take_replies(id);
             // In this order: no datagram of a connection leaves before the reply that opens it (R-CON-50), and none waits
