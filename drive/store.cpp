@@ -11,6 +11,8 @@ namespace servobus::drive {
 
 namespace {
 
+/// More cells than the members of any process images that one drive takes at a time; taking them asks for no memory then.
+constexpr std::size_t usual_covers = 32;
 constexpr std::uint16_t npos = std::numeric_limits<std::uint16_t>::max();
 
 /// Our own invariants, checked in production too; nothing that a peer sends can break one.
@@ -92,6 +94,7 @@ Store::Store(std::span<const Parameter> table)
     }
     require(cells < npos && table.size() < npos, "the table is too long");
     cells_.resize(cells);
+    covers_.reserve(usual_covers);
     reset();
 }
 
