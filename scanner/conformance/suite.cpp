@@ -103,14 +103,19 @@ private:
     void go_on(Clock::time_point now) {
         for (std::size_t i = 0; i < trials_.size(); ++i) {
             if (!trials_[i] || !trials_[i]->later || trials_[i]->later->due > now) continue;
-            const auto then = std::move(trials_[i]->later->then);
-            trials_[i]->later.reset();
-            if (is_interrupted()) {
-                trials_[i]->bench.skip("interrupted");
-            } else {
-                then();
-            }
+            continue_with(*trials_[i]);
             settle(i);
+        }
+    }
+
+    /// What the case has kept for this ends here, since it needs the bench for its end.
+    void continue_with(Trial& trial) {
+        const auto then = std::move(trial.later->then);
+        trial.later.reset();
+        if (is_interrupted()) {
+            trial.bench.skip("interrupted");
+        } else {
+            then();
         }
     }
 
