@@ -16,15 +16,18 @@ bool KeptValues::keeps(const Parameter& row) const {
     return may_get(owner.access) && may_set(owner.access) && !owner.momentary && !store_.is_selector(owner);
 }
 
+void KeptValues::for_each_place(const std::function<void(const Parameter&, std::uint16_t)>& visit) const {
+    for (const auto* row : rows_) {
+        for (std::uint16_t element = 0; element < row->elements; ++element) visit(*row, element);
+    }
+}
+
 void KeptValues::deliver() {
     delivered_.clear();
-    for (const auto* row : rows_) {
-        const auto printed = standard_value(*row);
-        for (std::uint16_t element = 0; element < row->elements; ++element) {
-            const auto& value = store_.lasting(*row, element);
-            if (value != printed) delivered_.push_back({row->key(), element, value});
-        }
-    }
+    for_each_place([&](const Parameter& row, std::uint16_t element) {
+        const auto& value = store_.lasting(row, element);
+        if (value != standard_value(row)) delivered_.push_back({row.key(), element, value});
+    });
 }
 
 Value KeptValues::delivered(const Parameter& row, std::uint16_t element) const {
@@ -35,12 +38,10 @@ Value KeptValues::delivered(const Parameter& row, std::uint16_t element) const {
 
 StoredValues KeptValues::changes() const {
     StoredValues changes;
-    for (const auto* row : rows_) {
-        for (std::uint16_t element = 0; element < row->elements; ++element) {
-            const auto& value = store_.lasting(*row, element);
-            if (value != delivered(*row, element)) changes.push_back({row->key(), element, value});
-        }
-    }
+    for_each_place([&](const Parameter& row, std::uint16_t element) {
+        const auto& value = store_.lasting(row, element);
+        if (value != delivered(row, element)) changes.push_back({row.key(), element, value});
+    });
     return changes;
 }
 
@@ -52,18 +53,16 @@ bool KeptValues::fits(const StoredValue& stored) const {
 
 std::vector<const Parameter*> KeptValues::restore(const StoredValues& stored) {
     std::vector<const Parameter*> changed;
-    for (const auto* row : rows_) {
-        for (std::uint16_t element = 0; element < row->elements; ++element) {
-            const auto is_here = [&](const StoredValue& each) {
-                return each.row == row->key() && each.element == element && fits(each);
-            };
-            const auto found = std::ranges::find_if(stored, is_here);
-            const auto wanted = found != stored.end() ? found->value : delivered(*row, element);
-            if (store_.lasting(*row, element) == wanted) continue;
-            store_.set_lasting(*row, element, wanted);
-            if (changed.empty() || changed.back() != row) changed.push_back(row);
-        }
-    }
+    for_each_place([&](const Parameter& row, std::uint16_t element) {
+        const auto is_here = [&](const StoredValue& each) {
+            return each.row == row.key() && each.element == element && fits(each);
+        };
+        const auto found = std::ranges::find_if(stored, is_here);
+        const auto wanted = found != stored.end() ? found->value : delivered(row, element);
+        if (store_.lasting(row, element) == wanted) return;
+        store_.set_lasting(row, element, wanted);
+        if (changed.empty() || changed.back() != &row) changed.push_back(&row);
+    });
     return changed;
 }
 

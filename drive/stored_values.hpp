@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "drive/parameter.hpp"
@@ -43,6 +44,8 @@ public:
     std::vector<const Parameter*> restore(const StoredValues& stored);
 
 private:
+    /// Calls `visit` with each row and element whose value is kept, in the order of both.
+    void for_each_place(const std::function<void(const Parameter&, std::uint16_t)>& visit) const;
     [[nodiscard]] Value delivered(const Parameter& row, std::uint16_t element) const;
 
     Store& store_;

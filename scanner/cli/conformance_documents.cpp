@@ -25,18 +25,6 @@ Json case_json(const Case& which) {
             {"rule_text", which.words}, {"writes", which.manner == Manner::writes}};
 }
 
-std::string_view word(Step::Kind kind) {
-    switch (kind) {
-        case Step::Kind::sent:
-            return "sent";
-        case Step::Kind::came:
-            return "came";
-        case Step::Kind::note:
-            return "note";
-    }
-    return "";
-}
-
 Json result_json(const Result& result) {
     auto json = case_json(*result.which);
     json["outcome"] = conformance::name(result.outcome);
@@ -48,7 +36,7 @@ Json result_json(const Result& result) {
     }
     json["exchange"] = Json::array();
     for (const auto& step : result.record.steps()) {
-        Json entry{{"kind", word(step.kind)}, {"text", printable(step.words)}};
+        Json entry{{"kind", conformance::name(step.kind)}, {"text", printable(step.words)}};
         if (step.size > 0) {
             entry["octets"] = step.size;
             entry["hex"] = cip::to_hex(step.octets);

@@ -20,20 +20,8 @@ constexpr auto indent = "            ";
 
 std::string_view mark(Verdict outcome) { return outcome == Verdict::fail ? "FAIL" : conformance::name(outcome); }
 
-std::string_view word(Step::Kind kind) {
-    switch (kind) {
-        case Step::Kind::sent:
-            return "sent";
-        case Step::Kind::came:
-            return "came";
-        case Step::Kind::note:
-            return "note";
-    }
-    return "";
-}
-
 std::string step_text(const Step& step) {
-    auto text = fmt::format("{}{}  {}\n", indent, word(step.kind), printable(step.words));
+    auto text = fmt::format("{}{}  {}\n", indent, conformance::name(step.kind), printable(step.words));
     if (step.size == 0) return text;
     const auto shown = cip::ByteView(step.octets).first(std::min(step.octets.size(), shown_octets));
     const auto rest = step.size > shown.size() ? fmt::format(" … {} octets in all", step.size) : std::string();

@@ -80,6 +80,18 @@ std::string message_text(cip::ByteView octets, bool reply) {
 
 }  // namespace
 
+std::string_view name(Step::Kind kind) {
+    switch (kind) {
+        case Step::Kind::sent:
+            return "sent";
+        case Step::Kind::came:
+            return "came";
+        case Step::Kind::note:
+            return "note";
+    }
+    return "";
+}
+
 void Record::add(Step::Kind kind, std::string words, cip::ByteView octets) {
     if (steps_.size() >= max_steps) {
         ++left_out_;

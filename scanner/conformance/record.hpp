@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cip/bytes.hpp"
@@ -18,6 +19,8 @@ struct Step {
     cip::Bytes octets{};   ///< the first of them, at most Record::kept_octets
     std::size_t size = 0;  ///< how many there were
 };
+
+[[nodiscard]] std::string_view name(Step::Kind kind);
 
 class Record {
 public:

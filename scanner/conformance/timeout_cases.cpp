@@ -151,8 +151,9 @@ void is_counted(Bench& bench) {
     bench.advise(*after != *before, "a connection that times out is not counted in attribute 8");
 }
 
-void triad_is_free(Bench& bench) {
-    const auto* candidate = harmless(bench);
+/// A connection that starves, and what is so afterwards.
+template <class Then>
+void after_starving(Bench& bench, const Candidate* candidate, Then then) {
     Session session(bench);
     if (candidate == nullptr || !session.is_open()) return;
     IoLink link(session, short_plan(*candidate, 20ms, times_4));
@@ -161,9 +162,15 @@ void triad_is_free(Bench& bench) {
     std::vector<Datagram> taken;
     if (!starve(bench, link, taken)) return;
     link.forget();
-    auto again = link.request();
-    const auto reply = try_open(session, again);
-    granted(bench, reply);
+    then(session, link);
+}
+
+void triad_is_free(Bench& bench) {
+    after_starving(bench, harmless(bench), [&](Session& session, IoLink& link) {
+        auto again = link.request();
+        const auto reply = try_open(session, again);
+        granted(bench, reply);
+    });
 }
 
 void others_go_on(Bench& bench) {
@@ -245,30 +252,16 @@ void messages_time_out(Bench& bench) {
     });
 }
 
-/// An owner that starves, and what is so afterwards.
-template <class Then>
-void with_starved_owner(Bench& bench, Then then) {
-    const auto* candidate = of_kind(bench, Kind::exclusive_owner);
-    Session session(bench);
-    if (candidate == nullptr || !session.is_open()) return;
-    IoLink owner(session, short_plan(*candidate, 20ms, times_4));
-    if (!owner.is_open()) return;
-    owner.run(std::size_t{3}, bench.timeout());
-    std::vector<Datagram> taken;
-    if (!starve(bench, owner, taken)) return;
-    owner.forget();
-    then(session, *candidate);
-}
-
 void ownership_is_free(Bench& bench) {
-    with_starved_owner(bench, [&](Session& session, const Candidate& candidate) {
-        IoLink next(session, usual_plan(candidate, usual_rpi));
+    const auto* candidate = of_kind(bench, Kind::exclusive_owner);
+    after_starving(bench, candidate, [&](Session& session, const IoLink&) {
+        IoLink next(session, usual_plan(*candidate, usual_rpi));
         if (next.is_open()) flows(next, bench);
     });
 }
 
 void status_tells(Bench& bench) {
-    with_starved_owner(bench, [&](Session& session, const Candidate&) {
+    after_starving(bench, of_kind(bench, Kind::exclusive_owner), [&](Session& session, const IoLink&) {
         const auto value = read(session, {0x01, 1, 5}, Presence::required);
         if (!value || value->size() != 2) return;
         const unsigned status = cip::Reader(*value).u16();

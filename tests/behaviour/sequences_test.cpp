@@ -3,6 +3,7 @@
 
 #include "drive/axis_kind.hpp"
 #include "tests/support/drive_harness.hpp"
+#include "tests/support/rotative_axis.hpp"
 
 namespace servobus {
 namespace {
@@ -12,24 +13,8 @@ using test::DriveHarness;
 
 // A rotative axis with sensor and Z-mark.
 drive::AxisKind rotative() {
-    drive::AxisKind kind;
-    kind.key = "test-rotative";
-    kind.motor_type = "rotative";
-    kind.family = drive::AxisKind::Family::third_party;
-    kind.motion = drive::AxisKind::Motion::rotative;
+    auto kind = test::rotative_axis();
     kind.reference = drive::AxisKind::Reference::z_mark;
-    kind.increments_per_turn = 24'000;
-    kind.increments_per_unit = 24'000 / 6.283185307179586;
-    kind.moving_mass = 6e-5;
-    kind.force_constant = 0.08;
-    kind.peak_current = 12;
-    kind.nominal_current = 4;
-    kind.friction_static = 0.012;
-    kind.friction_dynamic = 0.01;
-    kind.friction_viscous = 1e-5;
-    kind.cogging = 0;
-    kind.has_stops = false;
-    kind.start_position = 3'000;
     kind.z_mark = 20'000;
     kind.sensor_position = 8'000;
     kind.sensor_width = 1'500;

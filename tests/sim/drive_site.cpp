@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "drive/xenax.hpp"
+#include "tests/support/rotative_axis.hpp"
 
 namespace servobus::sim {
 namespace {
@@ -20,25 +21,10 @@ constexpr drive::Key quick_stop_deceleration{0x66, 0x45};
 
 /// A rotative axis that knows its place from the first moment and turns without end, so that owners may move it at once.
 drive::AxisKind axis() {
-    drive::AxisKind kind;
+    auto kind = test::rotative_axis();
     kind.key = "sim-rotative";
     kind.name = "simulated rotative axis";
-    kind.motor_type = "rotative";
-    kind.family = drive::AxisKind::Family::third_party;
-    kind.motion = drive::AxisKind::Motion::rotative;
     kind.reference = drive::AxisKind::Reference::absolute;
-    kind.increments_per_turn = 24'000;
-    kind.increments_per_unit = 24'000 / 6.283185307179586;
-    kind.moving_mass = 6e-5;
-    kind.force_constant = 0.08;
-    kind.peak_current = 12;
-    kind.nominal_current = 4;
-    kind.friction_static = 0.012;
-    kind.friction_dynamic = 0.01;
-    kind.friction_viscous = 1e-5;
-    kind.cogging = 0;
-    kind.has_stops = false;
-    kind.start_position = 3'000;
     return kind;
 }
 

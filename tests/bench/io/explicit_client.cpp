@@ -58,12 +58,9 @@ cip::Response ExplicitClient::call(const cip::Request& request) {
 }
 
 cip::Bytes ExplicitClient::connected_frame(const cip::Request& request) {
-    static std::uint16_t serial = 0;
     cip::ForwardOpen open;
-    open.triad = {.serial_number = ++serial,
-                  .originator_vendor = 0xFFFF,
-                  .originator_serial = static_cast<std::uint32_t>(monotonic())};
-    open.t_to_o_id = 0xBF000000 + serial;
+    open.triad = new_triad();
+    open.t_to_o_id = 0xBF000000 + open.triad.serial_number;
     open.timeout_multiplier = 7;
     open.o_to_t_rpi = open.t_to_o_rpi = 1'000'000;
     open.o_to_t = open.t_to_o = {.variable = true, .size = 500};
@@ -79,6 +76,13 @@ cip::Bytes ExplicitClient::connected_frame(const cip::Request& request) {
                        .session = session_,
                        .data = enip::SendData::connected(reply->o_to_t_id, 0, request.encode()).encode()}
         .encode();
+}
+
+cip::ConnectionTriad new_triad() {
+    static std::uint16_t serial = 0;
+    return {.serial_number = ++serial,
+            .originator_vendor = 0xFFFF,
+            .originator_serial = static_cast<std::uint32_t>(monotonic())};
 }
 
 cip::Request read_position() {

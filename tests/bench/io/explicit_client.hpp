@@ -34,6 +34,8 @@ private:
     cip::Bytes reply_;
 };
 
+/// Of a connection that this process has not opened before.
+[[nodiscard]] cip::ConnectionTriad new_triad();
 /// Get_Attribute_Single of PositionActualValue.
 [[nodiscard]] cip::Request read_position();
 /// `count` of them in a Multiple_Service_Packet; 1: alone.

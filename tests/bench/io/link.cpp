@@ -12,12 +12,9 @@ namespace {
 cip::Path connection_manager() { return cip::Path::to(cip::class_id::connection_manager, 1); }
 
 cip::ForwardOpen forward_open(const LinkSettings& settings) {
-    static std::uint16_t serial = 0;
     cip::ForwardOpen open;
-    open.triad = {.serial_number = ++serial,
-                  .originator_vendor = 0xFFFF,
-                  .originator_serial = static_cast<std::uint32_t>(monotonic())};
-    open.t_to_o_id = 0xBE000000 + serial;
+    open.triad = new_triad();
+    open.t_to_o_id = 0xBE000000 + open.triad.serial_number;
     open.timeout_multiplier = settings.multiplier_code;
     open.o_to_t_rpi = settings.interval_us;
     open.t_to_o_rpi = settings.interval_us;
