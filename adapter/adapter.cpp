@@ -42,6 +42,9 @@ constexpr std::size_t late_replies = 1024;
 // What the drives of the maker come with is not printed.
 constexpr FirmwareVersion first_firmware{1, 0};
 
+// Room for the replies to what one read brings, in octets, which grows when they need more.
+constexpr std::size_t usual_replies = 512;
+
 // Shortly before an I/O datagram is due, requests are answered one at a time, so that it does not wait for a whole turn.
 constexpr std::chrono::microseconds io_comes_first{100};
 
@@ -69,12 +72,12 @@ std::optional<enip::Time> to_server(std::optional<drive::Time> time) {
 }
 
 // What stands behind the message in a SendRRData (R-CPF-8). Most have nothing there.
-cip::SideItems side_items(const enip::SendData& data) {
+cip::SideItems side_items(const enip::SendDataView& data) {
     constexpr std::size_t address_and_message = 2;
     cip::SideItems items;
-    for (std::size_t i = address_and_message; i < data.packet.items.size(); ++i) {
-        const auto& item = data.packet.items[i];
-        items.push_back({static_cast<std::uint16_t>(item.type), item.data});
+    for (std::size_t i = address_and_message; i < data.packet.size(); ++i) {
+        const auto item = data.packet[i];
+        items.push_back({static_cast<std::uint16_t>(item.type), {item.data.begin(), item.data.end()}});
     }
     return items;
 }
@@ -406,6 +409,7 @@ void Adapter::send_reply(Connection& connection, const Frame& reply, StateKeeper
     const auto delay = is_explicit ? faults_.reply_delay() : std::chrono::microseconds(0);
     if (!delay) return;
     if (delay->count() == 0 && connection.late.empty() && keeper_.is_settled(waits_for)) {
+        if (connection.replies.empty()) connection.replies.reserve(usual_replies);
         reply.write(connection.replies);
         return;
     }
@@ -500,15 +504,15 @@ std::optional<Frame> Adapter::unregister_session(Connection& connection, const F
 }
 
 // What SendRRData and SendUnitData have in common: they need this connection's session and a sound list of items.
-boost::system::result<enip::SendData, EncapsulationStatus> Adapter::session_data(const Connection& connection,
-                                                                                 const Frame& request) const {
+boost::system::result<enip::SendDataView, EncapsulationStatus> Adapter::session_data(const Connection& connection,
+                                                                                     const Frame& request) const {
     const auto handle = sessions_.handle_of(connection.id);
     if (handle == 0 || handle != request.session) return EncapsulationStatus::invalid_session;
     constexpr std::size_t smallest = 16;  // R-ENC-11
     if (request.data.size() < smallest) return EncapsulationStatus::invalid_length;
-    auto data = enip::SendData::parse(request.data);
+    const auto data = enip::SendDataView::parse(request.data);
     if (!data) return EncapsulationStatus::incorrect_data;
-    return *std::move(data);
+    return *data;
 }
 
 cip::Origin Adapter::origin_of(const Connection& connection, enip::Time now) const {
@@ -532,11 +536,9 @@ Frame Adapter::send_rr_data(const Connection& connection, const Frame& request, 
     origin.reply_items = &reply_items;
     const auto response = router_.handle(*message, origin);
     if (!response) return request.reply(EncapsulationStatus::incorrect_data);  // R-MSG-3
-    auto answer = enip::SendData::unconnected(response->encode());
-    for (auto& item : reply_items) {
-        answer.packet.items.push_back({static_cast<enip::ItemType>(item.type), std::move(item.data)});
-    }
-    return request.reply(EncapsulationStatus::success, answer.encode());
+    std::vector<enip::ItemView> beside;
+    for (const auto& item : reply_items) beside.push_back({static_cast<enip::ItemType>(item.type), item.data});
+    return request.reply(EncapsulationStatus::success, enip::unconnected_reply(*response, beside));
 }
 
 std::optional<Frame> Adapter::send_unit_data(const Connection& connection, const Frame& request, enip::Time now) {
@@ -546,9 +548,9 @@ std::optional<Frame> Adapter::send_unit_data(const Connection& connection, const
     if (!message) return request.reply(EncapsulationStatus::incorrect_data);
     auto origin = origin_of(connection, now);
     origin.via = cip::Origin::Via::connected;
-    const auto reply = manager_->on_connected(*message, origin);
+    auto reply = manager_->on_connected(*message, origin);
     if (!reply) return std::nullopt;  // R-ENC-23
-    return request.reply(EncapsulationStatus::success, reply->encode());
+    return request.reply(EncapsulationStatus::success, *std::move(reply));
 }
 
 cip::Bytes Adapter::take_replies(ConnectionId id) {

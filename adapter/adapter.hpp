@@ -200,7 +200,7 @@ private:
     [[nodiscard]] std::optional<enip::Frame> answer(Connection& connection, const enip::Frame& request, enip::Time now);
     [[nodiscard]] enip::Frame register_session(const Connection& connection, const enip::Frame& request);
     [[nodiscard]] std::optional<enip::Frame> unregister_session(Connection& connection, const enip::Frame& request);
-    [[nodiscard]] boost::system::result<enip::SendData, enip::EncapsulationStatus> session_data(
+    [[nodiscard]] boost::system::result<enip::SendDataView, enip::EncapsulationStatus> session_data(
         const Connection& connection, const enip::Frame& request) const;
     [[nodiscard]] cip::Origin origin_of(const Connection& connection, enip::Time now) const;
     [[nodiscard]] enip::Frame send_rr_data(const Connection& connection, const enip::Frame& request, enip::Time now);

@@ -366,15 +366,15 @@ cip::Response ConnectionManager::get_connection_owner(const cip::RequestView& re
     return {request.service, {}, owner.encode()};
 }
 
-std::optional<enip::SendData> ConnectionManager::on_connected(const enip::ConnectedMessage& message,
-                                                              const cip::Origin& origin) {
+std::optional<cip::Bytes> ConnectionManager::on_connected(const enip::ConnectedMessage& message,
+                                                          const cip::Origin& origin) {
     // A request does not revive a connection whose time is over.
     explicit_.on_timer(origin.now, [this](const auto&) { count(Counter::connection_timeouts); });
     return explicit_.on_message(message, origin, router_);
 }
 
 void ConnectionManager::amend(std::uint64_t session, const enip::Frame& reply) {
-    const auto data = enip::SendData::parse(reply.data);
+    const auto data = enip::SendDataView::parse(reply.data);
     if (!data) return;
     if (const auto connected = enip::connected_message(*data)) explicit_.amend(session, *connected);
 }

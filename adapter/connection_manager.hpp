@@ -63,9 +63,10 @@ public:
                                      const cip::Origin& origin) override;
     [[nodiscard]] cip::Response refuse(const cip::RequestView& request, cip::Status status) override;
 
-    /// A SendUnitData. Nullopt when nothing is answered: unknown id, id of another TCP connection, or no message in it.
-    [[nodiscard]] std::optional<enip::SendData> on_connected(const enip::ConnectedMessage& message,
-                                                             const cip::Origin& origin);
+    /// A SendUnitData, and the data of the one that answers it. Nullopt when nothing is answered: unknown id, id of another
+    /// TCP connection, or no message in it.
+    [[nodiscard]] std::optional<cip::Bytes> on_connected(const enip::ConnectedMessage& message,
+                                                         const cip::Origin& origin);
 
     /// A TCP connection has gone: its class 3 connections go with it, class 1 lives on (R-ENC-25).
     void on_session_closed(std::uint64_t session) { explicit_.on_session_closed(session); }

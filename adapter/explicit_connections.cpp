@@ -104,8 +104,8 @@ std::optional<cip::Time> ExplicitConnections::next_deadline() const {
     return first->second.deadline;
 }
 
-std::optional<enip::SendData> ExplicitConnections::on_message(const enip::ConnectedMessage& message,
-                                                              const cip::Origin& origin, cip::MessageRouter& router) {
+std::optional<cip::Bytes> ExplicitConnections::on_message(const enip::ConnectedMessage& message,
+                                                          const cip::Origin& origin, cip::MessageRouter& router) {
     const auto found = connections_.find(message.connection_id);
     if (found == connections_.end() || found->second.session != origin.session) return std::nullopt;  // R-ENC-23
     auto& connection = found->second;
@@ -118,7 +118,7 @@ std::optional<enip::SendData> ExplicitConnections::on_message(const enip::Connec
         connection.last_sequence = message.sequence;
         connection.last_reply = response->encode();
     }
-    return enip::SendData::connected(connection.t_to_o_id, message.sequence, connection.last_reply);
+    return enip::connected_reply(connection.t_to_o_id, message.sequence, connection.last_reply);
 }
 
 void ExplicitConnections::amend(std::uint64_t session, const enip::ConnectedMessage& reply) {

@@ -52,10 +52,10 @@ public:
     void on_timer(cip::Time now, const std::function<void(const ExplicitConnection&)>& timed_out);
     [[nodiscard]] std::optional<cip::Time> next_deadline() const;
 
-    /// A SendUnitData, answered by `router`. Nullopt when nothing is answered: unknown id, id of another TCP connection,
-    /// or no message in it.
-    [[nodiscard]] std::optional<enip::SendData> on_message(const enip::ConnectedMessage& message,
-                                                           const cip::Origin& origin, cip::MessageRouter& router);
+    /// A SendUnitData, answered by `router`: the data of the one that goes back. Nullopt when nothing is answered: unknown
+    /// id, id of another TCP connection, or no message in it.
+    [[nodiscard]] std::optional<cip::Bytes> on_message(const enip::ConnectedMessage& message, const cip::Origin& origin,
+                                                       cip::MessageRouter& router);
 
     /// What `reply` says takes the place of the reply that is remembered for its sequence count, in a connection of this
     /// TCP connection.

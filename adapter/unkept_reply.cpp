@@ -6,24 +6,23 @@
 namespace servobus::adapter {
 namespace {
 
-cip::Bytes refused(cip::ByteView message) {
+cip::Response refused(cip::ByteView message) {
     const auto response = cip::Response::parse(message);
     const std::uint8_t service = response ? response->service : 0;
-    return cip::Response{service, cip::GeneralStatus::store_operation_failure, {}}.encode();
+    return {service, cip::GeneralStatus::store_operation_failure, {}};
 }
 
 }  // namespace
 
 enip::Frame unkept(const enip::Frame& reply) {
     auto other = reply;
-    const auto data = enip::SendData::parse(reply.data);
+    const auto data = enip::SendDataView::parse(reply.data);
     if (!data) return other;
     if (const auto connected = enip::connected_message(*data)) {
-        other.data =
-            enip::SendData::connected(connected->connection_id, connected->sequence, refused(connected->message))
-                .encode();
+        const auto message = refused(connected->message).encode();
+        other.data = enip::connected_reply(connected->connection_id, connected->sequence, message);
     } else if (const auto message = enip::unconnected_message(*data)) {
-        other.data = enip::SendData::unconnected(refused(*message)).encode();
+        other.data = enip::unconnected_reply(refused(*message));
     }
     return other;
 }

@@ -40,13 +40,17 @@ Bytes Response::encode() const {
     Bytes bytes;
     bytes.reserve(encoded_size());
     Writer writer(bytes);
+    write(writer);
+    return bytes;
+}
+
+void Response::write(Writer& writer) const {
     writer.u8(service | service::reply_bit);
     writer.u8(0);
     writer.field(status.general);
     writer.u8(static_cast<std::uint8_t>(status.extended.size()));
     for (const auto word : status.extended) writer.u16(word);
     writer.bytes(data);
-    return bytes;
 }
 
 Decoded<Response> Response::parse(ByteView message) {

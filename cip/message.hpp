@@ -7,6 +7,7 @@
 #include "cip/decode_error.hpp"
 #include "cip/path.hpp"
 #include "cip/status.hpp"
+#include "cip/wire.hpp"
 
 namespace servobus::cip {
 
@@ -39,6 +40,8 @@ struct Response {
     Status status{};
     Bytes data{};
 
+    /// Appends it.
+    void write(Writer& writer) const;
     [[nodiscard]] Bytes encode() const;
     [[nodiscard]] std::size_t encoded_size() const { return 4 + 2 * status.extended.size() + data.size(); }
     /// The reserved octet is not checked (R-SCN-6). Fails with bad_value when the reply bit is missing.

@@ -111,28 +111,6 @@ Decoded<Segment> read_data(std::uint8_t first, Reader& reader) {
     return Segment{DataSegment{{data.begin(), data.end()}}};
 }
 
-Decoded<Segment> read_segment(Reader& reader) {
-    const auto first = reader.u8();
-    switch (static_cast<SegmentClass>(first >> 5)) {
-        case SegmentClass::port:
-            return read_port(first, reader);
-        case SegmentClass::logical:
-            return read_logical(first, reader);
-        case SegmentClass::network:
-            return read_network(first, reader);
-        case SegmentClass::symbolic:
-            if ((first & 0x1F) == 0) return DecodeError::bad_segment;  // extended string formats
-            return read_symbol(reader, first & 0x1F, false);
-        case SegmentClass::data:
-            return read_data(first, reader);
-        case SegmentClass::constructed_type:
-        case SegmentClass::elementary_type:
-        case SegmentClass::reserved:
-            return DecodeError::bad_segment;
-    }
-    return DecodeError::bad_segment;
-}
-
 void write_segment(Writer& writer, const LogicalSegment& segment) {
     writer.u8(static_cast<std::uint8_t>(0x20 | (static_cast<unsigned>(segment.type) << 2) |
                                         static_cast<unsigned>(segment.width)));
@@ -235,6 +213,28 @@ Path Path::to(std::uint32_t class_id, std::uint32_t instance, std::uint32_t attr
     auto path = to(class_id, instance);
     path.segments.emplace_back(logical(LogicalType::attribute, attribute));
     return path;
+}
+
+Decoded<Segment> read_segment(Reader& reader) {
+    const auto first = reader.u8();
+    switch (static_cast<SegmentClass>(first >> 5)) {
+        case SegmentClass::port:
+            return read_port(first, reader);
+        case SegmentClass::logical:
+            return read_logical(first, reader);
+        case SegmentClass::network:
+            return read_network(first, reader);
+        case SegmentClass::symbolic:
+            if ((first & 0x1F) == 0) return DecodeError::bad_segment;  // extended string formats
+            return read_symbol(reader, first & 0x1F, false);
+        case SegmentClass::data:
+            return read_data(first, reader);
+        case SegmentClass::constructed_type:
+        case SegmentClass::elementary_type:
+        case SegmentClass::reserved:
+            return DecodeError::bad_segment;
+    }
+    return DecodeError::bad_segment;
 }
 
 Decoded<Path> Path::parse(ByteView bytes) {

@@ -78,6 +78,9 @@ struct DataSegment {
 
 using Segment = std::variant<LogicalSegment, ElectronicKey, PortSegment, NetworkSegment, SymbolSegment, DataSegment>;
 
+/// The segment in front. Fails with bad_segment on a reserved type or format, truncated on a cut one.
+[[nodiscard]] Decoded<Segment> read_segment(Reader& reader);
+
 struct Path {
     std::vector<Segment> segments;
 
@@ -88,7 +91,7 @@ struct Path {
     [[nodiscard]] static Path to(std::uint32_t class_id, std::uint32_t instance);
     [[nodiscard]] static Path to(std::uint32_t class_id, std::uint32_t instance, std::uint32_t attribute);
 
-    /// All of `bytes` as segments. Fails with bad_segment on a reserved type or format, truncated on a cut one.
+    /// All of `bytes` as segments; fails as read_segment() does.
     [[nodiscard]] static Decoded<Path> parse(ByteView bytes);
 
     /// Appends the padded segments.

@@ -45,15 +45,15 @@ bool add(RequestPath& path, Step& at, const LogicalSegment& segment) {
 
 boost::system::result<RequestPath, Status> RequestPath::parse(ByteView path) {
     if (path.empty()) return Status(GeneralStatus::path_destination_unknown);
-    const auto segments = Path::parse(path);
-    if (!segments) return Status(GeneralStatus::path_segment_error);
     RequestPath target;
     auto at = Step::start;
-    for (const auto& segment : segments->segments) {
+    for (Reader reader(path); reader.remaining() > 0;) {
+        const auto segment = read_segment(reader);
+        if (!segment) return Status(GeneralStatus::path_segment_error);
         bool fits = false;
-        if (const auto* known = std::get_if<LogicalSegment>(&segment)) {
+        if (const auto* known = std::get_if<LogicalSegment>(&*segment)) {
             fits = add(target, at, *known);
-        } else if (const auto* key = std::get_if<ElectronicKey>(&segment)) {
+        } else if (const auto* key = std::get_if<ElectronicKey>(&*segment)) {
             fits = advance(at, Step::key);
             target.key = *key;
         }

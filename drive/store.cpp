@@ -98,8 +98,11 @@ Store::Store(std::span<const Parameter> table)
     reset();
 }
 
+// As one number, because every request searches and two comparisons cost more than one.
 const Parameter* Store::find(Key key) const {
-    const auto found = std::ranges::lower_bound(table_, key, {}, &Parameter::key);
+    const auto number = [](Key each) { return std::uint32_t{each.class_id} << 16 | each.attribute; };
+    const auto found =
+        std::ranges::lower_bound(table_, number(key), {}, [&](const Parameter& row) { return number(row.key()); });
     return found != table_.end() && found->key() == key ? &*found : nullptr;
 }
 
@@ -144,8 +147,7 @@ void Store::cover(const Parameter& row, Value value) {
 }
 
 Store::Cover* Store::cover_of(std::size_t cell) {
-    const auto found = std::ranges::find(covers_, cell, &Cover::cell);
-    return found != covers_.end() ? &*found : nullptr;
+    return const_cast<Cover*>(std::as_const(*this).cover_of(cell));  // NOLINT(*-const-cast): this one is not const
 }
 
 const Store::Cover* Store::cover_of(std::size_t cell) const {

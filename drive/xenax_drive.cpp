@@ -96,6 +96,7 @@ void XenaxDrive::step(Time now) {
         clock_ = now;
         return;
     }
+    if (now - clock_ < control_period) return;
     while (now - clock_ >= control_period) {
         if (idle()) {
             const auto periods = (now - clock_) / control_period;

@@ -5,6 +5,17 @@
 #include "enip/socket_address.hpp"
 
 namespace servobus::enip {
+namespace {
+
+ItemView read_item(cip::Reader& reader) {
+    ItemView item;
+    reader.field(item.type);
+    const auto length = reader.u16();
+    item.data = reader.take(length);
+    return item;
+}
+
+}  // namespace
 
 cip::Bytes CommonPacket::encode() const {
     cip::Bytes bytes;
@@ -30,23 +41,34 @@ void CommonPacket::write(cip::Writer& writer) const {
 }
 
 cip::Decoded<CommonPacket> CommonPacket::parse(cip::ByteView bytes) {
-    cip::Reader reader(bytes);
+    const auto view = CommonPacketView::parse(bytes);
+    if (!view) return view.error();
     CommonPacket packet;
-    const std::size_t count = reader.u16();
-    if (!reader.ok()) return cip::DecodeError::truncated;
-    if (count > max_items) return cip::DecodeError::too_many;
-    packet.items.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        Item item;
-        reader.field(item.type);
-        const auto length = reader.u16();
-        const auto data = reader.take(length);
-        if (!reader.ok()) return cip::DecodeError::truncated;
-        item.data.assign(data.begin(), data.end());
-        packet.items.push_back(std::move(item));
+    packet.items.reserve(view->size());
+    for (std::size_t i = 0; i < view->size(); ++i) {
+        const auto item = (*view)[i];
+        packet.items.push_back({item.type, {item.data.begin(), item.data.end()}});
     }
+    return packet;
+}
+
+cip::Decoded<CommonPacketView> CommonPacketView::parse(cip::ByteView bytes) {
+    cip::Reader reader(bytes);
+    CommonPacketView packet;
+    packet.count_ = reader.u16();
+    if (!reader.ok()) return cip::DecodeError::truncated;
+    if (packet.count_ > max_items) return cip::DecodeError::too_many;
+    packet.items_ = reader.rest();
+    for (std::size_t i = 0; i < packet.count_; ++i) static_cast<void>(read_item(reader));
+    if (!reader.ok()) return cip::DecodeError::truncated;
     if (reader.remaining() > 0) return cip::DecodeError::trailing;
     return packet;
+}
+
+ItemView CommonPacketView::operator[](std::size_t index) const {
+    cip::Reader reader(items_);
+    for (; index > 0; --index) static_cast<void>(read_item(reader));
+    return read_item(reader);
 }
 
 const Item* CommonPacket::find(ItemType type) const {

@@ -48,6 +48,28 @@ struct CommonPacket {
     friend bool operator==(const CommonPacket&, const CommonPacket&) = default;
 };
 
+/// An item in the octets that it came in.
+struct ItemView {
+    ItemType type = ItemType::null_address;
+    cip::ByteView data{};
+};
+
+/// A packet in the octets that it came in, all of whose items are there.
+class CommonPacketView {
+public:
+    CommonPacketView() = default;
+
+    [[nodiscard]] std::size_t size() const { return count_; }
+    /// Looks for it from the first one on; there are few.
+    [[nodiscard]] ItemView operator[](std::size_t index) const;
+    /// As CommonPacket::parse().
+    [[nodiscard]] static cip::Decoded<CommonPacketView> parse(cip::ByteView bytes);
+
+private:
+    cip::ByteView items_{};
+    std::size_t count_ = 0;
+};
+
 /// A socket address as the sockaddr items and the identity item carry it: big-endian (R-CPF-8).
 struct SocketAddress {
     std::uint16_t family = 2;

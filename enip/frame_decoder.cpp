@@ -15,19 +15,28 @@ cip::ByteView take(cip::ByteView& bytes, std::size_t count) {
 
 }  // namespace
 
+// Most come in one piece.
 bool FrameDecoder::read_header(cip::ByteView& bytes) {
+    if (head_.empty() && bytes.size() >= header_bytes) {
+        begin(take(bytes, header_bytes));
+        return true;
+    }
     const auto octets = take(bytes, header_bytes - head_.size());
     head_.insert(head_.end(), octets.begin(), octets.end());
     if (head_.size() < header_bytes) return false;
-    cip::Reader reader(head_);
-    message_ = {};
+    begin(head_);
+    head_.clear();
+    return true;
+}
+
+void FrameDecoder::begin(cip::ByteView header) {
+    cip::Reader reader(header);
     std::uint16_t length = 0;
     describe_header(reader, message_.frame, length);
-    head_.clear();
+    message_.frame.data.clear();
     message_.oversize = length > max_data_;
     body_missing_ = length;
     in_body_ = true;
-    return true;
 }
 
 void FrameDecoder::read_body(cip::ByteView& bytes) {
@@ -36,12 +45,12 @@ void FrameDecoder::read_body(cip::ByteView& bytes) {
     if (!message_.oversize) message_.frame.data.insert(message_.frame.data.end(), octets.begin(), octets.end());
 }
 
-std::optional<FrameDecoder::Result> FrameDecoder::next(cip::ByteView& bytes) {
-    if (!in_body_ && !read_header(bytes)) return std::nullopt;
+FrameDecoder::Result* FrameDecoder::next(cip::ByteView& bytes) {
+    if (!in_body_ && !read_header(bytes)) return nullptr;
     read_body(bytes);
-    if (body_missing_ > 0) return std::nullopt;
+    if (body_missing_ > 0) return nullptr;
     in_body_ = false;
-    return std::move(message_);
+    return &message_;
 }
 
 }  // namespace servobus::enip

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "cip/bytes.hpp"
 #include "enip/encapsulation.hpp"
@@ -20,15 +19,16 @@ public:
         bool oversize = false;  ///< the stated length is above the limit; the data has been skipped
     };
 
-    /// Takes octets from the front of `bytes`, up to the end of the next message, and returns that message; nullopt
-    /// when it is not complete yet, and then `bytes` is empty.
-    [[nodiscard]] std::optional<Result> next(cip::ByteView& bytes);
+    /// Takes octets from the front of `bytes`, up to the end of the next message, and returns that message, whose room
+    /// is that of the one that follows; nullptr when it is not complete yet, and then `bytes` is empty.
+    [[nodiscard]] Result* next(cip::ByteView& bytes);
 
     /// True in the middle of a message: the peer owes the rest.
     [[nodiscard]] bool partial() const { return !head_.empty() || body_missing_ > 0; }
 
 private:
     bool read_header(cip::ByteView& bytes);
+    void begin(cip::ByteView header);
     void read_body(cip::ByteView& bytes);
 
     std::size_t max_data_;

@@ -36,6 +36,61 @@ void describe_identity(auto& io, auto& item) {
     io.field(item.serial_number);
 }
 
+template <class Message, class Packet>
+cip::Decoded<Message> parse_send_data(cip::ByteView data) {
+    cip::Reader reader(data);
+    Message message;
+    reader.field(message.interface_handle);
+    reader.field(message.timeout);
+    if (!reader.ok()) return cip::DecodeError::truncated;
+    auto packet = Packet::parse(reader.rest());
+    if (!packet) return packet.error();
+    message.packet = std::move(*packet);
+    return message;
+}
+
+// Of items that are owned, or seen.
+cip::Decoded<cip::ByteView> unconnected_of(std::uint32_t interface_handle, const auto& items) {
+    if (interface_handle != 0 || items.size() < 2) return cip::DecodeError::bad_value;
+    const auto& address = items[0];
+    const auto& message = items[1];
+    if (address.type != ItemType::null_address || !address.data.empty()) return cip::DecodeError::bad_value;
+    if (message.type != ItemType::unconnected_data) return cip::DecodeError::bad_value;
+    return cip::ByteView(message.data);
+}
+
+cip::Decoded<ConnectedMessage> connected_of(std::uint32_t interface_handle, const auto& items) {
+    if (interface_handle != 0 || items.size() < 2) return cip::DecodeError::bad_value;
+    const auto& address = items[0];
+    const auto& data = items[1];
+    if (address.type != ItemType::connected_address || data.type != ItemType::connected_data) {
+        return cip::DecodeError::bad_value;
+    }
+    cip::Reader id(address.data);
+    cip::Reader payload(data.data);
+    ConnectedMessage message;
+    id.field(message.connection_id);
+    payload.field(message.sequence);
+    if (!id.done() || !payload.ok()) return cip::DecodeError::bad_length;
+    message.message = payload.rest();
+    return message;
+}
+
+constexpr std::size_t send_data_head_octets = 8;
+constexpr std::size_t item_head_octets = 4;
+
+// What stands in front of the items.
+void write_send_data_head(cip::Writer& writer, std::size_t items) {
+    writer.u32(0);
+    writer.u16(0);
+    writer.u16(static_cast<std::uint16_t>(items));
+}
+
+void write_item_head(cip::Writer& writer, ItemType type, std::size_t octets) {
+    writer.field(type);
+    writer.u16(static_cast<std::uint16_t>(octets));
+}
+
 }  // namespace
 
 cip::Bytes RegisterSession::encode() const {
@@ -98,16 +153,10 @@ cip::Bytes SendData::encode() const {
     return bytes;
 }
 
-cip::Decoded<SendData> SendData::parse(cip::ByteView data) {
-    cip::Reader reader(data);
-    SendData message;
-    reader.field(message.interface_handle);
-    reader.field(message.timeout);
-    if (!reader.ok()) return cip::DecodeError::truncated;
-    auto packet = CommonPacket::parse(reader.rest());
-    if (!packet) return packet.error();
-    message.packet = std::move(*packet);
-    return message;
+cip::Decoded<SendData> SendData::parse(cip::ByteView data) { return parse_send_data<SendData, CommonPacket>(data); }
+
+cip::Decoded<SendDataView> SendDataView::parse(cip::ByteView data) {
+    return parse_send_data<SendDataView, CommonPacketView>(data);
 }
 
 SendData SendData::unconnected(cip::Bytes message) {
@@ -134,27 +183,52 @@ SendData SendData::connected(std::uint32_t connection_id, std::uint16_t sequence
 }
 
 cip::Decoded<cip::ByteView> unconnected_message(const SendData& data) {
-    const auto& items = data.packet.items;
-    if (data.interface_handle != 0 || items.size() < 2) return cip::DecodeError::bad_value;
-    if (items[0].type != ItemType::null_address || !items[0].data.empty()) return cip::DecodeError::bad_value;
-    if (items[1].type != ItemType::unconnected_data) return cip::DecodeError::bad_value;
-    return cip::ByteView(items[1].data);
+    return unconnected_of(data.interface_handle, data.packet.items);
+}
+
+cip::Decoded<cip::ByteView> unconnected_message(const SendDataView& data) {
+    return unconnected_of(data.interface_handle, data.packet);
 }
 
 cip::Decoded<ConnectedMessage> connected_message(const SendData& data) {
-    const auto& items = data.packet.items;
-    if (data.interface_handle != 0 || items.size() < 2) return cip::DecodeError::bad_value;
-    if (items[0].type != ItemType::connected_address || items[1].type != ItemType::connected_data) {
-        return cip::DecodeError::bad_value;
+    return connected_of(data.interface_handle, data.packet.items);
+}
+
+cip::Decoded<ConnectedMessage> connected_message(const SendDataView& data) {
+    return connected_of(data.interface_handle, data.packet);
+}
+
+cip::Bytes unconnected_reply(const cip::Response& response, std::span<const ItemView> beside) {
+    const auto message_octets = response.encoded_size();
+    auto octets = send_data_head_octets + 2 * item_head_octets + message_octets;
+    for (const auto& item : beside) octets += item_head_octets + item.data.size();
+    cip::Bytes bytes;
+    bytes.reserve(octets);
+    cip::Writer writer(bytes);
+    write_send_data_head(writer, 2 + beside.size());
+    write_item_head(writer, ItemType::null_address, 0);
+    write_item_head(writer, ItemType::unconnected_data, message_octets);
+    response.write(writer);
+    for (const auto& item : beside) {
+        write_item_head(writer, item.type, item.data.size());
+        writer.bytes(item.data);
     }
-    cip::Reader address(items[0].data);
-    cip::Reader payload(items[1].data);
-    ConnectedMessage message;
-    address.field(message.connection_id);
-    payload.field(message.sequence);
-    if (!address.done() || !payload.ok()) return cip::DecodeError::bad_length;
-    message.message = payload.rest();
-    return message;
+    return bytes;
+}
+
+cip::Bytes connected_reply(std::uint32_t connection_id, std::uint16_t sequence, cip::ByteView message) {
+    constexpr std::size_t id_octets = 4;
+    const auto payload_octets = sizeof(sequence) + message.size();
+    cip::Bytes bytes;
+    bytes.reserve(send_data_head_octets + 2 * item_head_octets + id_octets + payload_octets);
+    cip::Writer writer(bytes);
+    write_send_data_head(writer, 2);
+    write_item_head(writer, ItemType::connected_address, id_octets);
+    writer.u32(connection_id);
+    write_item_head(writer, ItemType::connected_data, payload_octets);
+    writer.u16(sequence);
+    writer.bytes(message);
+    return bytes;
 }
 
 }  // namespace servobus::enip

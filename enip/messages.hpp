@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "cip/bytes.hpp"
 #include "cip/decode_error.hpp"
+#include "cip/message.hpp"
 #include "enip/common_packet.hpp"
 
 namespace servobus::enip {
@@ -72,7 +74,17 @@ struct SendData {
     [[nodiscard]] static SendData connected(std::uint32_t connection_id, std::uint16_t sequence, cip::ByteView message);
 };
 
+/// The same in the octets that it came in.
+struct SendDataView {
+    std::uint32_t interface_handle = 0;
+    std::uint16_t timeout = 0;
+    CommonPacketView packet{};
+
+    [[nodiscard]] static cip::Decoded<SendDataView> parse(cip::ByteView data);
+};
+
 /// The parts of a SendRRData that may be processed (R-CPF-2): null address item, unconnected data, extra items.
+[[nodiscard]] cip::Decoded<cip::ByteView> unconnected_message(const SendDataView& data);
 [[nodiscard]] cip::Decoded<cip::ByteView> unconnected_message(const SendData& data);
 
 /// The parts of a SendUnitData that may be processed (R-ENC-23).
@@ -81,6 +93,12 @@ struct ConnectedMessage {
     std::uint16_t sequence = 0;
     cip::ByteView message;
 };
+[[nodiscard]] cip::Decoded<ConnectedMessage> connected_message(const SendDataView& data);
 [[nodiscard]] cip::Decoded<ConnectedMessage> connected_message(const SendData& data);
+
+/// The octets of SendData::unconnected() with a reply in it and items beside it.
+[[nodiscard]] cip::Bytes unconnected_reply(const cip::Response& response, std::span<const ItemView> beside = {});
+/// The octets of SendData::connected().
+[[nodiscard]] cip::Bytes connected_reply(std::uint32_t connection_id, std::uint16_t sequence, cip::ByteView message);
 
 }  // namespace servobus::enip

@@ -11,8 +11,10 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
+#include <span>
 #include <utility>
 
+#include "cip/wire.hpp"
 #include "enip/asio/mark.hpp"
 #include "enip/encapsulation.hpp"
 
@@ -27,6 +29,8 @@ using namespace std::chrono_literals;
 constexpr auto awaited = net::as_tuple(net::use_awaitable);
 
 constexpr std::size_t read_buffer_octets = std::size_t{16} * 1024;
+/// Reads of one connection before other work has its turn.
+constexpr int reads_at_once = 4;
 /// Datagrams taken in one go before other work has its turn.
 constexpr int datagrams_at_once = 64;
 /// The same of class 0 and 1, in batches.
@@ -54,6 +58,21 @@ std::size_t write_now(tcp::socket& socket, cip::ByteView octets) {
     error_code error;
     const auto written = socket.write_some(net::buffer(octets.data(), octets.size()), error);
     return error ? 0 : written;
+}
+
+// What is there at once; 0 when there is nothing, or an error, which comes again.
+std::size_t read_now(tcp::socket& socket, std::span<std::uint8_t> room) {
+    error_code error;
+    const auto size = socket.read_some(net::buffer(room.data(), room.size()), error);
+    return error ? 0 : size;
+}
+
+// More than one message: the peer does not wait for the replies, and the next ones are there already, or soon.
+bool holds_many(cip::ByteView octets) {
+    constexpr std::size_t length_at = 2;
+    if (octets.size() < header_bytes) return false;
+    cip::Reader reader(octets.subspan(length_at));
+    return octets.size() > header_bytes + reader.u16();
 }
 
 ListenError cannot_listen(std::string_view protocol, Endpoint at, const error_code& error) {
@@ -205,6 +224,7 @@ net::awaitable<void> TargetStation::serve(tcp::socket socket) {
 net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::ConnectionId id) {
     std::array<std::uint8_t, read_buffer_octets> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     auto& peer = peers_[id];
+    int more_reads = 0;  // that may follow without others having their turn
     while (!stopped_) {
         for (auto overdue = target_.take_replies(id); !overdue.empty(); overdue = target_.take_replies(id)) {
             const auto [failed, written] = co_await net::async_write(socket, net::buffer(overdue), awaited);
@@ -214,17 +234,26 @@ net::awaitable<void> TargetStation::exchange(tcp::socket& socket, Target::Connec
             if (!stopped_) co_await farewell(socket, id);
             co_return;
         }
-        peer.reads = true;
-        const auto [error, size] = co_await socket.async_read_some(net::buffer(buffer), awaited);
-        peer.reads = false;
-        if (error == net::error::operation_aborted && !target_.wants_close(id)) continue;  // there are late replies
-        if (error) co_return;
+        auto size = more_reads > 0 ? read_now(socket, buffer) : 0;
+        if (size == 0) {
+            peer.reads = true;
+            const auto [error, octets_read] = co_await socket.async_read_some(net::buffer(buffer), awaited);
+            peer.reads = false;
+            if (error == net::error::operation_aborted && !target_.wants_close(id)) continue;  // there are late replies
+            if (error) co_return;
+            size = octets_read;
+            more_reads = reads_at_once;
+        }
+        more_reads = holds_many(cip::ByteView(buffer).first(size)) ? more_reads - 1 : 0;
         cip::ByteView octets(buffer.data(), size);
         while (!octets.empty()) {
             // What has come before and what was due before come before; the latter also leaves before, since after the reply
             // to a Forward_Close nothing of the connection does (R-CON-37).
-            if (io_.is_quiet()) receive_io();
-            if (catch_up()) flush();
+            if (catch_up()) {
+                flush();
+            } else if (io_.is_quiet()) {
+                receive_io();
+            }
             octets = octets.subspan(target_.on_octets(id, octets, now()));
             const auto replies = target_.take_replies(id);
             // In this order: no datagram of a connection leaves before the reply that opens it (R-CON-50), and none waits
@@ -314,8 +343,7 @@ void TargetStation::on_time() {
         target_.on_timer(now());
         after_event();
     } else {
-        if (io_.is_quiet() && clock_now() >= io_seen_ + longest_io_wait) receive_io();
-        static_cast<void>(catch_up());
+        if (!catch_up() && io_.is_quiet()) receive_io();
         flush();
         if (shared_.after_event) shared_.after_event();
     }
@@ -326,14 +354,19 @@ void TargetStation::on_time() {
 }
 
 // Not now() before the datagrams are taken: they have come earlier, and time does not go back for the target.
-bool TargetStation::catch_up() {
-    const auto next = target_.next_deadline();
+bool TargetStation::catch_up(std::optional<Time> next) {
     const auto passed = next ? clock_now() - *next : Time::duration(-1);
     if (passed < Time::duration(0)) return false;
     if (passed > late || io_.is_quiet()) receive_io();
     target_.on_timer(now());
     mark_messages();  // it may have been a restart
     return true;
+}
+
+// Most events come long before anything is due, which deadline_ tells without asking the target.
+bool TargetStation::catch_up() {
+    if (deadline_ && clock_now() < *deadline_) return false;
+    return catch_up(target_.next_deadline());
 }
 
 Time TargetStation::now() {
@@ -349,8 +382,8 @@ void TargetStation::after_line() {
 
 void TargetStation::after_event() {
     // What is due by now does not wait for the timer's turn, which may come late when there are many requests.
-    static_cast<void>(catch_up());
-    const auto next = target_.next_deadline();
+    auto next = target_.next_deadline();
+    if (catch_up(next)) next = target_.next_deadline();
     mark_messages();
     flush();
     if (next && (!deadline_ || *next < *deadline_)) {

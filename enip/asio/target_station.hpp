@@ -84,8 +84,9 @@ private:
 
     /// The same after everything that the station itself brings to the target; the deadline is looked at again.
     void after_event();
-    /// Calls on_timer() if it is time.
+    /// Calls on_timer() if it is time. `next`: the target's deadline.
     [[nodiscard]] bool catch_up();
+    [[nodiscard]] bool catch_up(std::optional<Time> next);
     /// The time for the target, which never goes back. The target hears how far the clock of the day is ahead of it.
     [[nodiscard]] Time now();
     void mark_messages();

@@ -71,6 +71,28 @@ TEST(CommonPacket, R_CPF_10_unknown_items_are_kept) {
     EXPECT_EQ(packet.items[2].type, static_cast<ItemType>(0x1234));
 }
 
+TEST(CommonPacketView, R_CPF_1_shows_the_items_where_they_are) {
+    const auto whole = octets(example_octets);
+    const auto view = CommonPacketView::parse(whole).value();
+    const auto packet = example();
+    ASSERT_EQ(view.size(), packet.items.size());
+    for (std::size_t i = 0; i < view.size(); ++i) {
+        EXPECT_EQ(view[i].type, packet.items[i].type) << i;
+        EXPECT_EQ(hex(view[i].data), hex(packet.items[i].data)) << i;
+    }
+    EXPECT_EQ(view[1].data.data(), whole.data() + 10) << "not copied";
+}
+
+TEST(CommonPacketView, R_CPF_2_is_refused_like_a_packet) {
+    const auto whole = octets(example_octets);
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+        EXPECT_EQ(error_of(CommonPacketView::parse(ByteView(whole).first(length))), DecodeError::truncated) << length;
+    }
+    EXPECT_EQ(error_of(CommonPacketView::parse(octets("0000 00"))), DecodeError::trailing);
+    EXPECT_EQ(error_of(CommonPacketView::parse(of(max_items + 1).encode())), DecodeError::too_many);
+    EXPECT_EQ(CommonPacketView::parse(of(max_items).encode()).value().size(), max_items);
+}
+
 TEST(CommonPacket, finds_the_first_item_of_a_type) {
     auto packet = example();
     packet.items.push_back({ItemType::unconnected_data, octets("FF")});

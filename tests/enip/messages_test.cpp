@@ -180,6 +180,35 @@ TEST(ConnectedMessage, R_ENC_23_every_other_shape_is_refused) {
     }
 }
 
+TEST(SendDataView, is_read_like_what_is_owned) {
+    const auto unconnected = SendData::unconnected(octets("0E 00")).encode();
+    EXPECT_EQ(hex(unconnected_message(SendDataView::parse(unconnected).value()).value()), "0E 00");
+    const auto connected = SendData::connected(0x56A0000B, 0xFFFE, octets("0E 00")).encode();
+    const auto message = connected_message(SendDataView::parse(connected).value()).value();
+    EXPECT_EQ(message.connection_id, 0x56A0000BU);
+    EXPECT_EQ(message.sequence, 0xFFFE);
+    EXPECT_EQ(hex(message.message), "0E 00");
+    EXPECT_EQ(error_of(unconnected_message(SendDataView::parse(connected).value())), DecodeError::bad_value);
+    EXPECT_EQ(error_of(connected_message(SendDataView::parse(unconnected).value())), DecodeError::bad_value);
+    EXPECT_EQ(error_of(SendDataView::parse(octets("00000000 00"))), DecodeError::truncated);
+}
+
+TEST(UnconnectedReply, R_CPF_8_has_the_octets_of_the_packet_that_it_stands_for) {
+    const cip::Response response{0x54, cip::ConnectionFailure::ownership_conflict, octets("0102 03")};
+    EXPECT_EQ(hex(unconnected_reply(response)), hex(SendData::unconnected(response.encode()).encode()));
+    const auto address = octets("0002 08AE EFC00D60 0000000000000000");
+    auto beside = SendData::unconnected(response.encode());
+    beside.packet.items.push_back({ItemType::sockaddr_t_to_o, address});
+    const std::vector<ItemView> items{{ItemType::sockaddr_t_to_o, address}};
+    EXPECT_EQ(hex(unconnected_reply(response, items)), hex(beside.encode()));
+}
+
+TEST(ConnectedReply, R_CON_45_has_the_octets_of_the_packet_that_it_stands_for) {
+    const auto message = octets("8E00 0000 2A");
+    EXPECT_EQ(hex(connected_reply(0x56A0000B, 0x0102, message)),
+              hex(SendData::connected(0x56A0000B, 0x0102, message).encode()));
+}
+
 TEST(Endpoint, has_a_text) { EXPECT_EQ(to_string(Endpoint{0xC0A80264, tcp_port}), "192.168.2.100:44818"); }
 
 }  // namespace
