@@ -169,7 +169,7 @@ void Store::set_lasting(const Parameter& row, std::size_t element, Value value) 
 }
 
 bool Store::is_selector(const Parameter& row) const {
-    return std::ranges::any_of(table_, [&](const Parameter& each) { return each.selected_by == row.key(); });
+    return std::ranges::find(selector_, index_of(row)) != selector_.end();
 }
 
 Variable Store::variable(const Parameter& row, std::size_t element) {
