@@ -28,7 +28,7 @@ using testing::StartsWith;
 struct FakeDevice {
     std::uint32_t serial_number = 0x00A1B2C3;
     std::uint32_t serial_number_afterwards = 0x00A1B2C3;
-    cip::Status answer{};
+    std::atomic<cip::GeneralStatus> answer = cip::GeneralStatus::success;
     bool goes_without_a_word = false;
     bool stays_away = false;
     bool has_address = true;
@@ -43,9 +43,10 @@ struct FakeDevice {
         const auto request = request_in(frame);
         if (request.service != cip::service::reset) return peer.send(reply_with(frame, response(request)));
         type = request.data.empty() ? -1 : request.data[0];
-        if (answer.ok()) ++resets;
-        if (!goes_without_a_word) peer.send(reply_with(frame, cip::Response{request.service, answer, {}}));
-        if (answer.ok()) peer.close();
+        const cip::Status status = answer.load();
+        if (status.ok()) ++resets;
+        if (!goes_without_a_word) peer.send(reply_with(frame, cip::Response{request.service, status, {}}));
+        if (status.ok()) peer.close();
     }
 
     cip::Response response(const cip::Request& request) const {
