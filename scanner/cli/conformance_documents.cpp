@@ -17,7 +17,6 @@ using conformance::Manner;
 using Verdict = conformance::Outcome;
 using conformance::Report;
 using conformance::Result;
-using conformance::Step;
 
 Json case_json(const Case& which) {
     return {{"id", which.id},           {"group", conformance::row_of(which.group).name},

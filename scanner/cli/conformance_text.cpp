@@ -7,7 +7,6 @@
 namespace servobus::scanner::cli {
 namespace {
 
-using conformance::Case;
 using conformance::Manner;
 using Verdict = conformance::Outcome;
 using conformance::Report;

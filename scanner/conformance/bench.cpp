@@ -356,7 +356,7 @@ Udp::Udp(Bench& bench) : impl_(std::make_unique<Impl>(bench)) {}
 Udp::Udp(Udp&& other) noexcept = default;
 Udp::~Udp() = default;
 
-void Udp::send(cip::ByteView octets, std::string words) {
+void Udp::send(cip::ByteView octets, const std::string& words) {
     impl_->send(octets, "over UDP: " + (words.empty() ? describe_request(octets) : words), impl_->device());
 }
 bool Udp::broadcast(cip::ByteView octets) { return impl_->broadcast(octets); }

@@ -166,7 +166,7 @@ public:
     Udp(Udp&& other) noexcept;
     ~Udp();
 
-    void send(cip::ByteView octets, std::string words = {});
+    void send(cip::ByteView octets, const std::string& words = {});
     /// To all in the device's network, where there is a way; false where not.
     [[nodiscard]] bool broadcast(cip::ByteView octets);
     /// To the device's port for I/O data.

@@ -19,7 +19,6 @@ namespace servobus::scanner::conformance {
 namespace {
 
 using enip::Command;
-using enip::Frame;
 
 constexpr auto vendor_request = "0E 03 20 01 24 01 30 01";
 /// For an answer to what need not be answered.

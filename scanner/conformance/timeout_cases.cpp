@@ -167,8 +167,7 @@ void after_starving(Bench& bench, const Candidate* candidate, Then then) {
 
 void triad_is_free(Bench& bench) {
     after_starving(bench, harmless(bench), [&](Session& session, IoLink& link) {
-        auto again = link.request();
-        const auto reply = try_open(session, again);
+        const auto reply = try_open(session, link.request());
         granted(bench, reply);
     });
 }
