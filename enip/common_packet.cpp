@@ -34,10 +34,14 @@ std::size_t CommonPacket::encoded_size() const {
 void CommonPacket::write(cip::Writer& writer) const {
     writer.u16(static_cast<std::uint16_t>(items.size()));
     for (const auto& item : items) {
-        writer.field(item.type);
-        writer.u16(static_cast<std::uint16_t>(item.data.size()));
+        write_item_head(writer, item.type, item.data.size());
         writer.bytes(item.data);
     }
+}
+
+void write_item_head(cip::Writer& writer, ItemType type, std::size_t octets) {
+    writer.field(type);
+    writer.u16(static_cast<std::uint16_t>(octets));
 }
 
 cip::Decoded<CommonPacket> CommonPacket::parse(cip::ByteView bytes) {

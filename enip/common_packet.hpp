@@ -48,6 +48,9 @@ struct CommonPacket {
     friend bool operator==(const CommonPacket&, const CommonPacket&) = default;
 };
 
+/// Appends what stands in front of the data of an item.
+void write_item_head(cip::Writer& writer, ItemType type, std::size_t octets);
+
 /// An item in the octets that it came in.
 struct ItemView {
     ItemType type = ItemType::null_address;

@@ -76,19 +76,24 @@ cip::Decoded<ConnectedMessage> connected_of(std::uint32_t interface_handle, cons
     return message;
 }
 
-constexpr std::size_t send_data_head_octets = 8;
+constexpr std::size_t send_data_head_octets = 6;
+constexpr std::size_t item_count_octets = 2;
 constexpr std::size_t item_head_octets = 4;
 
-// What stands in front of the items.
-void write_send_data_head(cip::Writer& writer, std::size_t items) {
-    writer.u32(0);
-    writer.u16(0);
-    writer.u16(static_cast<std::uint16_t>(items));
+// What stands in front of the packet.
+void write_send_data_head(cip::Writer& writer, std::uint32_t interface_handle, std::uint16_t timeout) {
+    writer.u32(interface_handle);
+    writer.u16(timeout);
 }
 
-void write_item_head(cip::Writer& writer, ItemType type, std::size_t octets) {
-    writer.field(type);
-    writer.u16(static_cast<std::uint16_t>(octets));
+// A SendData up to its first item, with room for the rest: items with so many octets of data in all.
+cip::Bytes begin_reply(std::size_t items, std::size_t octets) {
+    cip::Bytes bytes;
+    bytes.reserve(send_data_head_octets + item_count_octets + items * item_head_octets + octets);
+    cip::Writer writer(bytes);
+    write_send_data_head(writer, 0, 0);
+    writer.u16(static_cast<std::uint16_t>(items));
+    return bytes;
 }
 
 }  // namespace
@@ -145,10 +150,9 @@ cip::Decoded<ServiceItem> ServiceItem::parse(cip::ByteView data) {
 
 cip::Bytes SendData::encode() const {
     cip::Bytes bytes;
-    bytes.reserve(6 + packet.encoded_size());
+    bytes.reserve(send_data_head_octets + packet.encoded_size());
     cip::Writer writer(bytes);
-    writer.u32(interface_handle);
-    writer.u16(timeout);
+    write_send_data_head(writer, interface_handle, timeout);
     packet.write(writer);
     return bytes;
 }
@@ -199,15 +203,12 @@ cip::Decoded<ConnectedMessage> connected_message(const SendDataView& data) {
 }
 
 cip::Bytes unconnected_reply(const cip::Response& response, std::span<const ItemView> beside) {
-    const auto message_octets = response.encoded_size();
-    auto octets = send_data_head_octets + 2 * item_head_octets + message_octets;
-    for (const auto& item : beside) octets += item_head_octets + item.data.size();
-    cip::Bytes bytes;
-    bytes.reserve(octets);
+    auto octets = response.encoded_size();
+    for (const auto& item : beside) octets += item.data.size();
+    auto bytes = begin_reply(2 + beside.size(), octets);
     cip::Writer writer(bytes);
-    write_send_data_head(writer, 2 + beside.size());
     write_item_head(writer, ItemType::null_address, 0);
-    write_item_head(writer, ItemType::unconnected_data, message_octets);
+    write_item_head(writer, ItemType::unconnected_data, response.encoded_size());
     response.write(writer);
     for (const auto& item : beside) {
         write_item_head(writer, item.type, item.data.size());
@@ -217,13 +218,10 @@ cip::Bytes unconnected_reply(const cip::Response& response, std::span<const Item
 }
 
 cip::Bytes connected_reply(std::uint32_t connection_id, std::uint16_t sequence, cip::ByteView message) {
-    constexpr std::size_t id_octets = 4;
     const auto payload_octets = sizeof(sequence) + message.size();
-    cip::Bytes bytes;
-    bytes.reserve(send_data_head_octets + 2 * item_head_octets + id_octets + payload_octets);
+    auto bytes = begin_reply(2, sizeof(connection_id) + payload_octets);
     cip::Writer writer(bytes);
-    write_send_data_head(writer, 2);
-    write_item_head(writer, ItemType::connected_address, id_octets);
+    write_item_head(writer, ItemType::connected_address, sizeof(connection_id));
     writer.u32(connection_id);
     write_item_head(writer, ItemType::connected_data, payload_octets);
     writer.u16(sequence);
